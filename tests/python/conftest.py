@@ -18,7 +18,7 @@ from processor_seconds import ProcessorSeconds
 from uwsim import _core
 from uwsim.figures import style, truth_and_map
 from uwsim.scenario import build_world, load
-from uwsim.scenario.build.potential_flow import added_mass_of_ellipsoid
+from uwsim.scenario.build.hydrodynamics import added_mass_of_ellipsoid
 
 os.environ.setdefault("MPLBACKEND", "Agg")
 MAY_GROW_BYTES, KEPT_BYTES = 100 << 20, [0]

@@ -13,7 +13,7 @@ from _harness import Case, Rounds, alternated, lake_fleet, medians, native_progr
 
 from uwsim import Simulator
 from uwsim.scenario import load, vehicle_hull
-from uwsim.scenario.spec.dynamics import Dynamics
+from uwsim.scenario.spec.settings import Dynamics
 from uwsim.scenario.spec.water import JonswapSurface
 
 VEHICLE, STEP_S = "bluerov2_heavy", 0.005

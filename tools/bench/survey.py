@@ -9,8 +9,7 @@ from _harness import alternated, console, medians, new_table
 
 from uwsim import Simulator
 from uwsim.flight.flyable_lanes import required_survey
-from uwsim.flight.record import FlightRecord
-from uwsim.flight.stages import MAP_THREAD_STAGES, STAGES, WAITING
+from uwsim.flight.record import MAP_THREAD_STAGES, STAGES, WAITING, FlightRecord
 from uwsim.flight.survey import fly_survey
 from uwsim.mapping import ENGINES, OccupancyMap
 

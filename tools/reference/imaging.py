@@ -6,8 +6,7 @@ from typing import Any
 from tools.reference.markdown import code, plain, table
 
 from uwsim import _core
-from uwsim.scenario.spec.imaging_kind import STRENGTHS, imaging_kind
-from uwsim.scenario.spec.imaging_sonar import DEGREES, RADIANS
+from uwsim.scenario.spec.imaging_sonar import DEGREES, RADIANS, STRENGTHS, imaging_kind
 from uwsim.scenario.spec.sensor_kind import SensorFigure
 
 HEAD = """# Imaging sonars

@@ -19,7 +19,7 @@ PUBLIC = {
         "uwsim.flight.record.FlightRecord",
         "uwsim.bridges.remote.flight.fly_remote()",
         "uwsim.flight.survey.run_survey()",
-        "uwsim.flight.patch_errors.PatchErrors",
+        "uwsim.flight.raw_places.PatchErrors",
         "uwsim.flight.terminal.Silent",
         "uwsim.mapping.files.gsf_read.read_gsf()",
         "uwsim.flight.compare",

@@ -8,8 +8,8 @@ from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
 from tools.reference.markdown import code, plain, table
 
-from uwsim.scenario.spec.descriptions import descriptions
 from uwsim.scenario.spec.fields import InRange, Model
+from uwsim.scenario.spec.json_schema import descriptions
 from uwsim.scenario.spec.kinds import Kinds
 from uwsim.scenario.spec.scenario import Scenario
 from uwsim.simulator.parameters.field_type import field_type, stripped

@@ -11,7 +11,7 @@ from typing import Any, TypeGuard
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim.base.did_you_mean import did_you_mean
+from uwsim.base.named import did_you_mean
 
 UNITS = {"_m_s": "m/s", "_m": "m", "_s": "s", "_rad": "rad"}
 

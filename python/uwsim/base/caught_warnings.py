@@ -1,4 +1,4 @@
-"""A variant of warnings.catch_warnings for code that runs in several threads."""
+"""Warnings: caught in code that runs in several threads, and issued about truncated text files."""
 
 from __future__ import annotations
 
@@ -20,3 +20,12 @@ def caught_warnings() -> Iterator[list[warnings.WarningMessage]]:
     with _ONE_THREAD, warnings.catch_warnings(record=True) as issued:
         warnings.simplefilter("always")
         yield issued
+
+
+def warn_if_cut_short(name: str, content: bytes) -> None:
+    """Warn if a text file does not end in a line break, as after an aborted download. name: the file's name."""
+    if content and not content.endswith((b"\n", b"\r")):
+        end = content.rstrip()[-20:].decode("utf-8", errors="replace").split("\n")[-1]
+        warnings.warn(
+            f"{name}: its last line, '...{end}', does not end in a line break: the file may be cut short", stacklevel=3
+        )

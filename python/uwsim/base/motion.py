@@ -6,23 +6,19 @@ import math
 from dataclasses import dataclass, fields
 from functools import cached_property
 
-import numpy as np
-from numpy.typing import NDArray
-
+from uwsim.base.arrays import Floats
 from uwsim.base.short_repr import ShortRepr
-
-Vector = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, repr=False, init=False)  # made every step; a frozen class's __init__ is slow
 class Pose:
     """A vehicle's pose: position_world_m (3,), orientation_xyzw (4,), world_from_body (4, 4); ENU, REP 103."""
 
-    position_world_m: Vector
-    orientation_xyzw: Vector
-    world_from_body: Vector
+    position_world_m: Floats
+    orientation_xyzw: Floats
+    world_from_body: Floats
 
-    def __init__(self, position_world_m: Vector, orientation_xyzw: Vector, world_from_body: Vector) -> None:
+    def __init__(self, position_world_m: Floats, orientation_xyzw: Floats, world_from_body: Floats) -> None:
         own = self.__dict__
         own["position_world_m"], own["orientation_xyzw"] = position_world_m, orientation_xyzw
         own["world_from_body"] = world_from_body
@@ -32,7 +28,7 @@ class Pose:
         """Heading of the body's x axis from east, counter-clockwise, in (-pi, pi]."""
         return math.atan2(self.world_from_body[1, 0], self.world_from_body[0, 0])
 
-    def to_dict(self) -> dict[str, Vector]:
+    def to_dict(self) -> dict[str, Floats]:
         """Return the arrays by name."""
         return {field.name: getattr(self, field.name) for field in fields(self)}
 
@@ -47,13 +43,13 @@ class Pose:
 class Velocity(ShortRepr):
     """A vehicle's velocity over ground, in body axes: linear_body_m_s (3,), angular_body_rad_s (3,)."""
 
-    linear_body_m_s: Vector
-    angular_body_rad_s: Vector
+    linear_body_m_s: Floats
+    angular_body_rad_s: Floats
 
-    def __init__(self, linear_body_m_s: Vector, angular_body_rad_s: Vector) -> None:
+    def __init__(self, linear_body_m_s: Floats, angular_body_rad_s: Floats) -> None:
         own = self.__dict__
         own["linear_body_m_s"], own["angular_body_rad_s"] = linear_body_m_s, angular_body_rad_s
 
-    def to_dict(self) -> dict[str, Vector]:
+    def to_dict(self) -> dict[str, Floats]:
         """Return the arrays by name."""
         return {field.name: getattr(self, field.name) for field in fields(self)}

@@ -1,11 +1,26 @@
-"""Read-only collections of items by name, such as a vehicle's sensors."""
+"""Read-only collections of items by name, such as a vehicle's sensors, and hints about unknown names."""
 
 from __future__ import annotations
 
+import difflib
 from collections.abc import Iterable, Mapping
 from typing import Any, NoReturn, TypeVar
 
-from uwsim.base.did_you_mean import did_you_mean
+MIN_SIMILARITY = 0.6  # difflib's ratio: from 0 (nothing in common) to 1 (equal)
+
+
+def did_you_mean(name: str, known: Iterable[str], written: Mapping[str, str] | None = None) -> str:
+    """Return `; did you mean 'sonar'?` if a known name is similar, else "".
+
+    written: how a name is written where it is not a plain name, such as {"imu": "sensors['imu']"}.
+    """
+    spelt = {each.lower(): each for each in known}
+    near = difflib.get_close_matches(name.lower(), spelt, n=1, cutoff=MIN_SIMILARITY)
+    if not near:
+        return ""
+    found = spelt[near[0]]
+    return f"; did you mean {(written or {}).get(found, repr(found))}?"
+
 
 T = TypeVar("T")
 

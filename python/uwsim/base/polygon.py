@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-Points = NDArray[np.float64]
+from uwsim.base.arrays import Floats
 
 
-def inside(points: Points, corners: Points) -> NDArray[np.bool_]:
+def inside(points: Floats, corners: Floats) -> NDArray[np.bool_]:
     """Return a mask (n,) of the points (n, 2) inside a polygon (m, 2), by the even-odd rule."""
     x, y = points.T
     inside = np.zeros(len(points), np.bool_)
@@ -18,7 +18,7 @@ def inside(points: Points, corners: Points) -> NDArray[np.bool_]:
     return inside
 
 
-def is_crossed(corners: Points, start: Points, end: Points) -> bool:
+def is_crossed(corners: Floats, start: Floats, end: Floats) -> bool:
     """Return whether a line from start (2,) to end (2,) crosses a side of a polygon (m, 2).
 
     The ends of the line lie on different sides of the polygon's side, and the ends of that on different sides of the
@@ -30,6 +30,6 @@ def is_crossed(corners: Points, start: Points, end: Points) -> bool:
     return bool(((of_line < 0) & (of_side < 0)).any())
 
 
-def _cross(a: Points, b: Points) -> Points:
-    found: Points = a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
+def _cross(a: Floats, b: Floats) -> Floats:
+    found: Floats = a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
     return found

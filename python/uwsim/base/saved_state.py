@@ -11,11 +11,15 @@ from collections.abc import Callable, Mapping
 from functools import cache
 from typing import Annotated, Any, ClassVar, Protocol, TypeVar
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, create_model
+from pydantic import VERSION, BaseModel, ConfigDict, Field, ValidationError, create_model
 
 from uwsim import _core
 from uwsim.base.agenda import NEVER
-from uwsim.base.deferred_models import DEFER_BUILD
+
+DEFER_BUILD = tuple(int(part) for part in VERSION.split(".")[:2]) >= (2, 14)
+"""Before pydantic 2.14, threads that use a model for the first time at once may validate with its base's rules
+(pydantic pull request 13438)."""
+
 
 KEYS = ("lamps", "parameters", "cameras", "estimates", "programs", "events")  # in the order in which they are written
 Origin = tuple[str, str]

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any, ClassVar, NoReturn
 
-from uwsim.base.did_you_mean import did_you_mean
-from uwsim.base.named import Named
+from uwsim.base.named import Named, did_you_mean
 
 
 class Sealed:

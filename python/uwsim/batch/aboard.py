@@ -13,7 +13,7 @@ from uwsim.batch.members import Member
 from uwsim.instruments.cameras.shared_scene import SharedScene
 from uwsim.instruments.sonars.imaging import Acoustics
 from uwsim.scenario import VehicleEntry
-from uwsim.scenario.build.control import ControlSettings
+from uwsim.scenario.build.craft import ControlSettings
 from uwsim.simulator.network import Network
 from uwsim.simulator.programs import FailsafeLike
 from uwsim.simulator.simulator import Simulator

@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from uwsim import _core
-from uwsim.base.did_you_mean import did_you_mean
+from uwsim.base.arrays import Floats
+from uwsim.base.named import did_you_mean
 from uwsim.base.sealed import Sealed
 from uwsim.batch import arguments
 from uwsim.batch.aboard import MemberAboard
@@ -19,8 +20,6 @@ from uwsim.batch.programs import Programs
 from uwsim.batch.results import BatchMotion
 from uwsim.simulator.docking import DockedWarning
 from uwsim.simulator.vehicle import Vehicle
-
-Rows = NDArray[np.float64]
 
 
 class CommandedBatch(Sealed):
@@ -215,7 +214,7 @@ class CommandedBatch(Sealed):
         if mistakes:
             raise mistakes[0]
 
-    def _by_name(self, values: Mapping[str, ArrayLike], what: str, known: Sequence[str]) -> Rows:
+    def _by_name(self, values: Mapping[str, ArrayLike], what: str, known: Sequence[str]) -> Floats:
         """Return values by name as columns, (n, names). Raises ValueError."""
         if not isinstance(values, Mapping):
             raise ValueError(f"{what} is {type(values).__name__}: must be a mapping of names to values")
@@ -253,7 +252,7 @@ class CommandedBatch(Sealed):
             )
 
 
-def _row(names: Mapping[str, ArrayLike], values: Rows, k: int) -> dict[str, float]:
+def _row(names: Mapping[str, ArrayLike], values: Floats, k: int) -> dict[str, float]:
     return dict(zip(names, values[k].tolist(), strict=True))
 
 

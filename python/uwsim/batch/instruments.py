@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim import _core
-from uwsim.base.did_you_mean import did_you_mean
+from uwsim.base.named import did_you_mean
 from uwsim.batch.arguments import whole
 from uwsim.batch.commands import CommandedBatch
 from uwsim.batch.members import Members

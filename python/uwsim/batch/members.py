@@ -9,14 +9,12 @@ from functools import cached_property
 from uwsim import _core
 from uwsim.batch.arguments import Changes
 from uwsim.scenario import Scenario, ScenarioError
-from uwsim.scenario.build.control import ControlSettings
-from uwsim.scenario.build.link import link_spec
+from uwsim.scenario.build.craft import ControlSettings
 from uwsim.scenario.build.loose_bodies import object_specs
-from uwsim.scenario.build.simulation import simulation_spec
-from uwsim.scenario.build.tether import tether_specs
+from uwsim.scenario.build.station import link_spec, tether_specs
 from uwsim.scenario.build.vehicle import vehicle_control, vehicle_errors_at, vehicle_spec
 from uwsim.scenario.build.water import surface_density_kg_m3
-from uwsim.scenario.build.world import scenario_water
+from uwsim.scenario.build.world import scenario_water, simulation_spec
 from uwsim.scenario.spec.fault import FaultModel
 from uwsim.simulator.parameters import Parameters
 from uwsim.simulator.parameters.edits import edited

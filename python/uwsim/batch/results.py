@@ -9,10 +9,10 @@ from typing import Any, Generic, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.base.arrays import Floats
 from uwsim.base.named import Named
 from uwsim.base.short_repr import ShortRepr
 
-Floats = NDArray[np.float64]
 R = TypeVar("R")
 
 

@@ -7,8 +7,7 @@ from contextlib import ExitStack
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from uwsim.base.options import Options
-from uwsim.base.registered_options import RegisteredOptions
+from uwsim.base.options import Options, RegisteredOptions
 
 if TYPE_CHECKING:
     from uwsim.channels import Table

@@ -6,8 +6,7 @@ from collections.abc import Collection, Iterator, Mapping
 from contextlib import ExitStack
 from typing import TYPE_CHECKING, Any
 
-from uwsim.base.options import Flag, FlagGroup, Options, flag_name
-from uwsim.base.registered_options import RegisteredOptions, require_named
+from uwsim.base.options import Flag, FlagGroup, Options, RegisteredOptions, flag_name, require_named
 from uwsim.base.sockets import blaming, load_all
 from uwsim.bridges.plug import BridgePlug, Context
 

@@ -4,16 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
+from uwsim.base.arrays import Floats
 from uwsim.scenario import Scenario
 from uwsim.scenario.spec.vehicle import VehicleModel
 from uwsim.scenario.spec.vehicle_entry import VehicleEntry
 from uwsim.simulator.simulator import Simulator
 from uwsim.simulator.vehicle import Vehicle
-
-Vector = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,7 +23,7 @@ class Source:
 
     entry: VehicleEntry
     prefix: str
-    origin_m: Vector
+    origin_m: Floats
     frame_prefix: str
 
     @property
@@ -36,7 +32,7 @@ class Source:
         return self.entry.name
 
     @classmethod
-    def all_of(cls, scenario: Scenario, origin_m: Vector, frame_prefix: str = "") -> list[Source]:
+    def all_of(cls, scenario: Scenario, origin_m: Floats, frame_prefix: str = "") -> list[Source]:
         """Return the sources of a scenario's vehicles."""
         alone = len(scenario.vehicles) == 1
         prefixes = ["" if alone else f"{entry.name}/" for entry in scenario.vehicles]
@@ -73,7 +69,7 @@ class Source:
         """Return the full name of a frame."""
         return self.frame_prefix + name
 
-    def position_odom_m(self, sim: Simulator) -> Vector:
+    def position_odom_m(self, sim: Simulator) -> Floats:
         """Return the vehicle's position in odom, (3,)."""
         return self.of(sim).pose.position_world_m + self.origin_m
 

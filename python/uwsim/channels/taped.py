@@ -10,11 +10,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.base.arrays import Floats
 from uwsim.channels.ros import build
 from uwsim.channels.source import Source
 from uwsim.simulator.simulator import Simulator
-
-Column = NDArray[np.float64]
 
 
 class Track(NamedTuple):
@@ -61,7 +60,7 @@ class Taped(NamedTuple):
 
     tracks: tuple[Track, ...]
     begin: Callable[[Simulator], Make | None]
-    note: Callable[[Simulator], Column] | None = None
+    note: Callable[[Simulator], Floats] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,10 +71,10 @@ class Motion:
     """
 
     time_ns: Any
-    position_m: Column
-    orientation_xyzw: Column
-    linear_m_s: Column
-    angular_rad_s: Column
+    position_m: Floats
+    orientation_xyzw: Floats
+    linear_m_s: Floats
+    angular_rad_s: Floats
     elevation_rad: Any
 
     @classmethod

@@ -2,7 +2,7 @@
 
 from typing import NoReturn
 
-from uwsim.cli.signals import exit_on_signals
+from uwsim.cli.exit_codes import exit_on_signals
 
 __all__ = ["main"]
 

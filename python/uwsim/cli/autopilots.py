@@ -5,8 +5,7 @@ from __future__ import annotations
 from contextlib import AbstractContextManager
 from typing import TYPE_CHECKING, Any
 
-from uwsim.base.options import Options
-from uwsim.base.registered_options import RegisteredOptions
+from uwsim.base.options import Options, RegisteredOptions
 
 if TYPE_CHECKING:
     from pathlib import Path

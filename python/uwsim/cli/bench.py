@@ -17,10 +17,9 @@ from typer.core import TyperGroup
 
 from uwsim.base.atomic_file import write_atomically
 from uwsim.base.own_files import require_own
-from uwsim.cli.bounds import UsageError
 from uwsim.cli.groups import show_help
 from uwsim.cli.options import SETTINGS
-from uwsim.cli.values import packaged_folder
+from uwsim.cli.values import UsageError, packaged_folder
 
 JsonFile = Annotated[Path | None, typer.Option("--json", help="Also write the values to this file.")]
 

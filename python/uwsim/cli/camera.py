@@ -7,9 +7,8 @@ from typing import Annotated
 
 import typer
 
-from uwsim.cli.bounds import within
-from uwsim.cli.choices import one_of
 from uwsim.cli.options import Pose, ScenarioName, Seed, Threads, VehicleName
+from uwsim.cli.values import one_of, within
 
 
 def camera(

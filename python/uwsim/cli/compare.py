@@ -13,8 +13,7 @@ from uwsim.base.options import Options, need, option, refuse
 from uwsim.base.sockets import PLANNERS, planner, registered
 from uwsim.base.stoppable import note_kept
 from uwsim.cli.groups import under
-from uwsim.cli.options import VOXEL, VOXELS, Threads
-from uwsim.cli.seeds import parsed_seeds
+from uwsim.cli.options import VOXEL, VOXELS, Threads, parsed_seeds
 from uwsim.cli.values import packaged, words
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from uwsim.cli.bounds import readable, within, writable
+from uwsim.cli.values import readable, within, writable
 
 
 def decompose(

@@ -13,12 +13,11 @@ from typing import Any, TypeVar
 import typer
 from typer.core import TyperCommand, TyperGroup
 
-from uwsim.base.did_you_mean import did_you_mean
+from uwsim.base.named import did_you_mean
 from uwsim.base.sockets import blaming, is_offered, load, load_all, registered
-from uwsim.cli.exit_codes import FAILED
+from uwsim.cli.exit_codes import FAILED, exit_interrupted
 from uwsim.cli.flags import expanded
 from uwsim.cli.options import SETTINGS
-from uwsim.cli.signals import exit_interrupted
 
 SOCKET = "uwsim.cli"
 """The group of entry points for commands: functions, as for `typer.Typer.command`, and `typer.Typer` for groups.

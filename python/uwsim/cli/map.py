@@ -8,11 +8,10 @@ from typing import Annotated
 import typer
 
 from uwsim.base.sockets import registered
-from uwsim.cli.bounds import readable, within
 from uwsim.cli.exit_codes import FAILED
 from uwsim.cli.groups import show_help
 from uwsim.cli.options import SETTINGS, AsJson, print_json
-from uwsim.cli.values import scenarios
+from uwsim.cli.values import readable, scenarios, within
 
 app = typer.Typer(
     name="uwsim map",

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from uwsim.cli.bounds import readable, within
 from uwsim.cli.map import CLOUDS, MAPS
+from uwsim.cli.values import readable, within
 
 if TYPE_CHECKING:
     import numpy as np

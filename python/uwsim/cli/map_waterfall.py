@@ -7,8 +7,8 @@ from typing import Annotated
 
 import typer
 
-from uwsim.cli.bounds import readable
 from uwsim.cli.map import FigureFile, require_png
+from uwsim.cli.values import readable
 
 
 def waterfall(

@@ -1,4 +1,4 @@
-"""The `uwsim` command: its subcommands, and the handling of errors.
+"""The `uwsim` command: its subcommands, the handling of errors, and `--cite`.
 
 Each subcommand has a separate file and imports its dependencies when it runs, so that --help is fast.
 """
@@ -12,19 +12,56 @@ import os
 import re
 import resource
 import signal
+import subprocess
 import sys
 import warnings
+from pathlib import Path
 from traceback import walk_tb
 from typing import Annotated, Any, NoReturn
 
 import typer
 
 from uwsim.base.stoppable import outliving_terminal
-from uwsim.cli.bounds import UsageError, refusal
-from uwsim.cli.exit_codes import FAILED, exit_code_help
+from uwsim.cli.exit_codes import FAILED, exit_code_help, exit_interrupted
 from uwsim.cli.groups import Program
 from uwsim.cli.options import SETTINGS
-from uwsim.cli.signals import exit_interrupted
+from uwsim.cli.values import UsageError, refusal
+
+CITATION = "CITATION.cff"
+
+
+def bibtex() -> str:
+    """Return the entry. Raises OSError or ValueError if CITATION.cff is missing or damaged."""
+    from uwsim.base.texts.yaml_document import read_yaml
+    from uwsim.scenario.fingerprint import build_fingerprint
+    from uwsim.scenario.read.assets import assets_folder
+
+    packaged = assets_folder() / CITATION
+    path = packaged if packaged.exists() else assets_folder().parent / CITATION  # the latter in a clone
+    cited = read_yaml(path).values
+    commit = cited.get("commit") or _commit_of(path.parent)  # written where a wheel is built
+    values = {
+        "title": cited["title"],
+        "author": " and ".join(f"{{{author['name']}}}" for author in cited["authors"]),  # no first and last names
+        "year": str(cited["date-released"])[:4],
+        "version": cited["version"],
+        "url": cited.get("repository-code"),
+        "note": ", ".join([*([f"commit {commit}"] if commit else []), f"build {build_fingerprint()}"]),
+    }
+    lines = [f"  {key} = {{{value}}},\n" for key, value in values.items() if value]
+    return f"@software{{uwsim-{cited['version']},\n{''.join(lines)}}}"
+
+
+def _commit_of(folder: Path) -> str:
+    """Return the commit of a clone, with -dirty if its files differ from it; empty without Git."""
+    if not (folder / ".git").exists():
+        return ""
+    command = ["git", "-C", str(folder), "describe", "--always", "--dirty", "--abbrev=40", "--exclude=*"]
+    try:
+        return subprocess.run(command, capture_output=True, text=True, check=True, timeout=60).stdout.strip()
+    except (OSError, subprocess.SubprocessError):
+        return ""
+
 
 COLLECT_EVERY = 200_000
 """Objects between garbage collections, instead of 700: imports and scenarios create many, nearly all of which stay."""
@@ -51,7 +88,7 @@ def _print_version(wanted: bool) -> None:
 
 def _print_citation(wanted: bool) -> None:
     if wanted:
-        from uwsim.cli.cite import bibtex
+        from uwsim.cli.program import bibtex
 
         typer.echo(bibtex())
         raise typer.Exit

@@ -9,8 +9,8 @@ from typing import Annotated
 
 import typer
 
-from uwsim.cli.bounds import within
 from uwsim.cli.options import ScenarioName
+from uwsim.cli.values import within
 
 
 def rays(

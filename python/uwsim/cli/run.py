@@ -10,13 +10,11 @@ import typer
 
 from uwsim.base.options import WithoutEffectError, flag_name, need, refuse
 from uwsim.cli.autopilots import Autopilots, prepared
-from uwsim.cli.bounds import readable
 from uwsim.cli.flights import FlightOptions, MapOptions, Out, exit_as, given
 from uwsim.cli.groups import under
 from uwsim.cli.options import SimulatorOptions
-from uwsim.cli.values import scenarios
-from uwsim.flight.attachment import Attachments
-from uwsim.flight.elsewhere import Elsewhere
+from uwsim.cli.values import readable, scenarios
+from uwsim.flight.attachment import Attachments, Elsewhere
 
 if TYPE_CHECKING:
     from uwsim.flight.record import FlightRecord

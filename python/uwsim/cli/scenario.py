@@ -9,11 +9,10 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
-from uwsim.base.did_you_mean import did_you_mean
-from uwsim.cli.bounds import UsageError
+from uwsim.base.named import did_you_mean
 from uwsim.cli.groups import show_help
 from uwsim.cli.options import SETTINGS, AsJson, print_json
-from uwsim.cli.values import scenarios, words
+from uwsim.cli.values import UsageError, scenarios, words
 
 KINDS = ("scenario", "vehicle", "thruster", "sonar", "sensors", "modem", "battery")
 

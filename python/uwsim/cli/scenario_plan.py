@@ -8,8 +8,7 @@ from typing import Annotated
 
 import typer
 
-from uwsim.cli.bounds import writable
-from uwsim.cli.values import scenarios
+from uwsim.cli.values import scenarios, writable
 
 
 def plan(

@@ -73,7 +73,7 @@ def survey(
     from uwsim.scenario.world_ahead import make_world_ahead
 
     if lanes.arguments:
-        from uwsim.flight.survey_area import survey_changes
+        from uwsim.flight.request import survey_changes
 
         asked["survey"] = survey_changes(scenario or "lake", **lanes.arguments)
     make_world_ahead(scenario or "lake")

@@ -24,7 +24,7 @@ from uwsim.evidence.validate.flights import START_M, deep_water
 from uwsim.evidence.validate.step_responses import DURATION_S, PERIOD_S, StepResponse, step_responses
 from uwsim.navigation.control import Controller
 from uwsim.scenario import VehicleModel
-from uwsim.scenario.spec.control import Control
+from uwsim.scenario.spec.actuator import Control
 from uwsim.simulator.simulator import Simulator
 from uwsim.simulator.vehicle import Vehicle
 

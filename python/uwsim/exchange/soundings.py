@@ -16,7 +16,7 @@ from rasterio.errors import CRSError
 from rasterio.io import MemoryFile
 
 from uwsim.base.atomic_file import write_atomically
-from uwsim.base.cut_short import warn_if_cut_short
+from uwsim.base.caught_warnings import warn_if_cut_short
 from uwsim.base.own_files import require_own
 from uwsim.base.texts.text_file import decoded, read_limited
 from uwsim.mapping.files.georeference import WGS84

@@ -9,7 +9,7 @@ from typing import Annotated, Any
 from pydantic import Field, PrivateAttr, ValidationInfo, model_validator
 
 from uwsim.base.commands import COMMANDS
-from uwsim.base.did_you_mean import did_you_mean
+from uwsim.base.named import did_you_mean
 from uwsim.channels.authority.rights import AidKind
 from uwsim.exercises.by_seed import Conditions, PropShift, exchanged
 from uwsim.exercises.goal import Goal, Points

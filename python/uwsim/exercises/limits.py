@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import Field
 
 from uwsim.base.commands.notes import NoteCategory
-from uwsim.base.did_you_mean import did_you_mean
+from uwsim.base.named import did_you_mean
 from uwsim.base.polygon import inside
 from uwsim.exercises.goal import Points
 from uwsim.exercises.moment import Moment

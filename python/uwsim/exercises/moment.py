@@ -6,14 +6,12 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwsim.base.arrays import Floats as Floats
 from uwsim.simulator.failures import Event
 from uwsim.simulator.notes import notes_of
 from uwsim.simulator.simulator import Simulator
 from uwsim.simulator.vehicle import Vehicle
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

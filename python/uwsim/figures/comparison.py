@@ -1,9 +1,11 @@
-"""Figure of the area of bed surveyed by several missions over time."""
+"""Figures of comparisons: bed surveyed by several missions, and differences between two runs, over time."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+
+import numpy as np
 
 from uwsim.figures.style import add_legend, label_axes, new_figure, save_figure
 
@@ -27,4 +29,24 @@ def draw_comparison(path: Path, curves: Mapping[str, Sequence[Curve]]) -> None:
     axes.set_xlim(left=0.0)
     axes.set_ylim(bottom=0.0)
     add_legend(axes, 3)
+    save_figure(figure, path)
+
+
+CURVES_MAX = 8
+
+
+def draw_divergence(path: Path, gaps: Mapping[str, Sequence[tuple[float, float]]], title: str) -> None:
+    """Draw each message's largest absolute difference in any value, in the unit of that value, over simulated time.
+
+    gaps: (time [s], difference above 0) by channel, in drawing order; only the first CURVES_MAX channels are drawn.
+    Raises OSError.
+    """
+    figure = new_figure(9.6, 4.4)
+    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+    label_axes(axes, title, "simulated time [s]", "largest difference of a number in the message, its unit")
+    axes.set_yscale("log")
+    for name, points in list(gaps.items())[:CURVES_MAX]:
+        times_s, values = np.array(points, np.float64).reshape(-1, 2).T
+        axes.plot(times_s, values, linewidth=1.2, marker="." if len(points) < 40 else None, label=f"/{name}")
+    add_legend(axes, 2)
     save_figure(figure, path)

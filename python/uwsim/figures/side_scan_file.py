@@ -8,12 +8,13 @@ from pathlib import Path
 import numpy as np
 from matplotlib.colors import LinearSegmentedColormap
 
+from uwsim.base.arrays import Floats
 from uwsim.base.atomic_file import write_atomically
 from uwsim.base.plain_figure import PlainFigure
 from uwsim.figures.style import ACCENT, label_axes
 from uwsim.instruments.sonars.imaging.pixels import AMBER, NIGHT
 from uwsim.instruments.sonars.imaging.plots import png
-from uwsim.mapping.files.side_scan_line import Array, Levels, SideScanHead, SideScanLine
+from uwsim.mapping.files.side_scan_line import Levels, SideScanHead, SideScanLine
 
 MOST_ROWS = 4000
 SHARES = 2.0, 99.5  # percentiles of the levels that are black and white
@@ -68,7 +69,7 @@ def _over_ground(side: Levels, altitude_m: float, reach_m: float) -> Levels:
     return np.where(index < bins, side[np.minimum(index, bins - 1)], np.float32(np.nan)).astype(np.float32)
 
 
-def _averaged(levels: Array | Levels, together: int) -> Levels:
+def _averaged(levels: Floats | Levels, together: int) -> Levels:
     """Return the mean power of each few rows, as levels."""
     if together == 1:
         return np.asarray(levels, np.float32)

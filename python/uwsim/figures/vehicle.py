@@ -14,12 +14,12 @@ from numpy.typing import NDArray
 from scipy.spatial import ConvexHull, QhullError
 
 from uwsim import _core
+from uwsim.base.arrays import Floats
 from uwsim.figures.style import ACCENT, FAINT_INK, INK, keep_all_labels, label_axes, new_figure, save_figure
-from uwsim.scenario.build.actuator import actuators_spec
+from uwsim.scenario.build.equipment import actuators_spec
 from uwsim.scenario.build.hull import vehicle_hull
 from uwsim.scenario.spec.vehicle import VehicleModel
 
-Floats = NDArray[np.float64]
 View = tuple[Floats, Floats]
 """Position (3,) and rays (n, 3) of an instrument, body frame."""
 HULL, THRUSTER, FIN = "#c9d3dc", ACCENT, "#2a6f97"

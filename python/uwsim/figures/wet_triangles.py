@@ -8,12 +8,11 @@ import matplotlib
 import numpy as np
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import Normalize
-from numpy.typing import NDArray
 
+from uwsim.base.arrays import Floats
 from uwsim.figures.style import ACCENT, INK, add_colour_bar, label_axes, new_figure, save_figure
 from uwsim.simulator.wet_triangles import WetTriangles
 
-Floats = NDArray[np.float64]
 DRY, PRESSURES = "#e8ecef", matplotlib.colormaps["YlGnBu"]
 VIEWS = (  # title, axis towards the viewer and its sign, axes across and up
     ("From starboard", (1, -1.0), (0, 2), "ahead, x [m]", "up, z [m]"),

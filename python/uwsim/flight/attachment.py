@@ -1,4 +1,4 @@
-"""Attachment: what takes part in a flight from another room, such as a recorder or the station's end of a link.
+"""Attachments: what takes part in a flight from another room, such as a recorder, and flights that are flown elsewhere.
 
 Attachments are registered by entry points in the group `uwsim.attachments`. An entry is a class of options:
 
@@ -19,13 +19,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from uwsim.base.options import Options
-from uwsim.base.registered_options import RegisteredOptions
+from uwsim.base.journal import Observer
+from uwsim.base.options import Options, RegisteredOptions
 
 if TYPE_CHECKING:
-    from uwsim.base.journal import Observer
     from uwsim.base.wall_timer import WallTimer
     from uwsim.flight.pinging import TakePing
     from uwsim.flight.record import FlightRecord
@@ -103,3 +103,18 @@ class Attachments(RegisteredOptions[AttachmentOptions]):
     def arguments(self) -> dict[str, Any]:
         """The options that are given, as keywords of `uwsim.fly`."""
         return {name: value for each in self.requested.values() for name, value in each.arguments.items()}
+
+
+class OtherFlight(Options):
+    """The base of the options of a flight that is flown elsewhere. Its switch requests it."""
+
+    def fly(self, mission: Path, out: Path, **options: Any) -> FlightRecord:
+        """Fly a mission's file, and return its record. options: those of `uwsim.fly` that are given, and `truth`."""
+        raise NotImplementedError
+
+
+class Elsewhere(RegisteredOptions[OtherFlight]):
+    """The options of all that fly elsewhere; at most one is requested."""
+
+    socket = "uwsim.flights"
+    base = OtherFlight

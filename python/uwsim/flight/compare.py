@@ -23,13 +23,13 @@ import numpy as np
 from uwsim.base.atomic_file import write_atomically
 from uwsim.base.own_files import remove_own_file
 from uwsim.base.texts.json_text import json_value
+from uwsim.flight.coverage import CELL_M, SeenBed
 from uwsim.flight.fly import fly
 from uwsim.flight.folder import made_folder
 from uwsim.flight.paired import Pair, paired
 from uwsim.flight.record import FlightRecord
 from uwsim.flight.request import EstimateKind, file_digest
 from uwsim.flight.samples import Samples
-from uwsim.flight.seen_bed import CELL_M, SeenBed
 from uwsim.flight.summary import vehicle_values
 from uwsim.missions.run import MissionFunction
 from uwsim.scenario import AnyScenario, Scenario, load

@@ -9,19 +9,26 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from uwsim.base.arrays import Floats
 from uwsim.base.wall_timer import WallTimer
-from uwsim.flight.autosave import FlightAutosave
-from uwsim.flight.clock import FlightClock, FlightOverError
-from uwsim.flight.end import End, run_to_end
+from uwsim.flight.clock import End, FlightAutosave, FlightClock, FlightOverError, run_to_end
 from uwsim.flight.folder import remove_stale_results
-from uwsim.flight.mission_log import MissionLog
+from uwsim.flight.log import MissionLog
 from uwsim.flight.missions import Begun, warn_of_left_out
-from uwsim.flight.record import BATTERY_EMPTY, DONE, INTERRUPTED, Array, FlightRecord
+from uwsim.flight.record import (
+    AUTOSAVE,
+    BATTERY_EMPTY,
+    DONE,
+    INTERRUPTED,
+    MISSION,
+    PHYSICS,
+    STAGES,
+    WAITING,
+    FlightRecord,
+)
 from uwsim.flight.results import MAP, RESULT_FILES, write_results
-from uwsim.flight.setup import Setup
-from uwsim.flight.stages import AUTOSAVE, MISSION, PHYSICS, STAGES, WAITING
+from uwsim.flight.setup import Setup, Watched, mapping, sampling
 from uwsim.flight.terminal import Show
-from uwsim.flight.watched import Watched, mapping, sampling
 from uwsim.mapping import OccupancyMap
 from uwsim.missions.own_vehicle import Event, OwnVehicle
 from uwsim.simulator.link_traffic import link_rows
@@ -153,7 +160,7 @@ class Flight:
             lanes_left_out=setup.lanes_left_out,
         )
 
-    def _budgets_m(self) -> dict[str, dict[str, Array]]:
+    def _budgets_m(self) -> dict[str, dict[str, Floats]]:
         """Return which metre of each estimated position comes from what, now."""
         names = self._setup.names if self._setup.estimate == "filter" else ()
         return {name: self._sim.vehicles[name].navigation.steering.budget for name in names}

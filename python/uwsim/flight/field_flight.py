@@ -11,7 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from uwsim.base.did_you_mean import did_you_mean
+from uwsim.base.arrays import Floats
+from uwsim.base.named import did_you_mean
 from uwsim.flight.mission_file import MissionError
 from uwsim.mapping.files.georeference import Home, Place
 from uwsim.missions.fence import Fence
@@ -29,12 +30,10 @@ from uwsim.missions.items import (
     TRIGGERS,
     Pilot,
     RefusedItemError,
-    Vector,
     checked,
     fly_items,
 )
-from uwsim.missions.lawn_mower_needs import missing_for_lanes
-from uwsim.missions.lawn_mower_plan import LawnMowerPlan
+from uwsim.missions.lawn_mower_plan import LawnMowerPlan, missing_for_lanes
 from uwsim.missions.moves import SPEED_MAX_M_S, reached_m
 from uwsim.missions.mow import mow
 from uwsim.missions.own_vehicle import OwnVehicle
@@ -108,7 +107,7 @@ class _Ground:
 
     home: Place
     vehicle: Any
-    launch_world_m: Vector
+    launch_world_m: Floats
     send_text: Callable[[str], object]
     pictures: Callable[[OwnVehicle, int], object] | None = None
 
@@ -252,7 +251,7 @@ class FieldFlight:
             notes.setdefault(f"all items are flown {given.depth_m:g} m deep, not as high as in the file")
         return items
 
-    def _place(self, sim: Simulator, launch: Vector, items: list[Item], notes: dict[str, None]) -> Place:
+    def _place(self, sim: Simulator, launch: Floats, items: list[Item], notes: dict[str, None]) -> Place:
         """Return where the world is on Earth; for a world that is nowhere, the first point is at the vehicle."""
         place, at = georeference(sim.scenario), self.settings.first_at_m
         if place.crs is not None and at is None:

@@ -11,19 +11,25 @@ from typing import Any
 from uwsim.base.folder_lock import alone_in, require_free
 from uwsim.flight.attached import attached
 from uwsim.flight.attachment import Attachments, Departure
-from uwsim.flight.autosave import AUTOSAVE_S, FlightAutosave
+from uwsim.flight.clock import AUTOSAVE_S, FlightAutosave
 from uwsim.flight.engine import Flight
 from uwsim.flight.folder import remove_leftovers, results_folder
 from uwsim.flight.mission_file import FUNCTION
 from uwsim.flight.missions import AnyMission, FlownMission, found_mission
-from uwsim.flight.pinging import MapSetup
+from uwsim.flight.pinging import MapSetup, default_voxel_m, filters_outliers, require_sonar, survey_area_m
 from uwsim.flight.record import FlightRecord
-from uwsim.flight.request import ESTIMATES, OF_SIMULATOR, EstimateKind, FlightRequest, file_digest, resolved_path
+from uwsim.flight.request import (
+    ESTIMATES,
+    OF_SIMULATOR,
+    EstimateKind,
+    FlightRequest,
+    file_digest,
+    resolved_path,
+    with_survey,
+)
 from uwsim.flight.results import require_report
 from uwsim.flight.setup import Setup
-from uwsim.flight.survey_area import with_survey
 from uwsim.flight.terminal import Silent
-from uwsim.flight.vehicle_chain import default_voxel_m, filters_outliers, require_sonar, survey_area_m
 from uwsim.mapping import MapEngine, OccupancyMap
 from uwsim.missions.mission import R_co
 from uwsim.scenario import AnyScenario, Scenario, Survey, load

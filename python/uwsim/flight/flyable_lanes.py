@@ -1,21 +1,24 @@
-"""The survey plan of a scenario, restricted to those parts of its lanes that can be flown in the true world.
+"""The survey plan of a scenario, restricted to the parts that can be flown in the true world; its verdict, `checked`.
 
 The mission itself does not see the world; it only receives the remaining lanes.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.base.arrays import Floats
+from uwsim.base.caught_warnings import caught_warnings
 from uwsim.missions.lanes import Lane
 from uwsim.missions.lawn_mower import PASSABLE_Z_M
-from uwsim.missions.lawn_mower_needs import missing_for_lanes
-from uwsim.missions.lawn_mower_plan import LawnMowerPlan
+from uwsim.missions.lawn_mower_plan import LawnMowerPlan, missing_for_lanes
 from uwsim.scenario import Scenario, ScenarioError, Survey, start_pose
-from uwsim.scenario.read.collected import Collected
+from uwsim.scenario.read.errors import Collected
 from uwsim.simulator.simulator import Simulator
 
 STEP_M = 1.0
@@ -27,8 +30,6 @@ TALLEST_M = 1000.0
 """Height of the tallest obstacle that stands out of the water."""
 LEAST_SHARE = 0.5
 """The smallest flyable share of lanes with which a survey is accepted; with less, its area must be a mistake."""
-
-Points = NDArray[np.float64]
 
 
 class SurveyAreaWarning(UserWarning):
@@ -142,7 +143,7 @@ REASONS = (
 TOO_SHORT = f"in stretches between them that are shorter than {SHORTEST_M:g} m"
 
 
-def _obstructions(sim: Simulator, points_m: Points) -> NDArray[np.int64]:
+def _obstructions(sim: Simulator, points_m: Floats) -> NDArray[np.int64]:
     """Return, for each point (n, 2), 0 if it can be flown over, else a 1-based index into REASONS."""
     ring = np.radians(np.arange(0.0, 360.0, 45.0))
     around = MARGIN_M * np.stack([np.cos(ring), np.sin(ring)], axis=1)
@@ -154,7 +155,7 @@ def _obstructions(sim: Simulator, points_m: Points) -> NDArray[np.int64]:
     return np.asarray(np.where(why > len(REASONS), 0, why), np.int64)
 
 
-def _tops_m(sim: Simulator, places_m: Points) -> Points:
+def _tops_m(sim: Simulator, places_m: Floats) -> Floats:
     """Return z of the first surface at each point (n, 2), 0 in what stands out of the water; -inf if there is none.
 
     What lies deeper than twice PASSABLE_Z_M is no obstacle, and over a bed with cover a ray that goes so far takes ten
@@ -168,7 +169,7 @@ def _tops_m(sim: Simulator, places_m: Points) -> Points:
     return np.where(is_inside, 0.0, -np.asarray(ranges_m, np.float64))
 
 
-def _stretches(along: Points, free: NDArray[np.bool_]) -> list[tuple[float, float]]:
+def _stretches(along: Floats, free: NDArray[np.bool_]) -> list[tuple[float, float]]:
     """Return the first and last values of `along` in each run of free samples."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], free, [False]]).astype(int)))
     return [(float(along[a]), float(along[b - 1])) for a, b in edges.reshape(-1, 2)]
@@ -177,3 +178,31 @@ def _stretches(along: Points, free: NDArray[np.bool_]) -> list[tuple[float, floa
 def _percent(share: float) -> str:
     """Format a share in per cent; a share above 0 is never rounded to 0 %, nor one below 1 to 100 %."""
     return f"{100.0 * share:.0f} %" if share in (0.0, 1.0) else f"{min(max(100.0 * share, 0.1), 99.9):.2g} %"
+
+
+class Checked(NamedTuple):
+    """A verdict. mistakes, warnings: one line each. simulator: the scenario's, None if it cannot be built."""
+
+    mistakes: tuple[str, ...]
+    warnings: tuple[str, ...]
+    simulator: Simulator | None
+
+
+def checked(load: Callable[[], Scenario], threads: int | None = None) -> Checked:
+    """Build a scenario's simulator and plan its survey, if it has one, as a flight of it would.
+
+    load: returns the scenario, or raises ValueError. Raises OSError.
+    """
+    simulator, left_out = None, None
+    mistakes: tuple[str, ...] = ()
+    with caught_warnings() as issued:
+        try:
+            simulator = Simulator(load(), threads=threads)
+            if simulator.scenario.survey is not None:
+                left_out = required_plan(simulator)[1]
+        except ValueError as error:
+            mistakes = tuple(getattr(error, "mistakes", ())) or (str(error),)
+    notes = [str(each.message) for each in issued if issubclass(each.category, UserWarning)]
+    if simulator is not None and left_out is not None:
+        notes.append(f"{simulator.scenario.source_file.line_prefix('survey', 'area_m')}{left_out}")
+    return Checked(mistakes, tuple(dict.fromkeys(notes)), simulator)

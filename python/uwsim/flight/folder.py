@@ -10,7 +10,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from uwsim.base.own_files import is_empty, is_own, remove_own_file, require_own
-from uwsim.flight.mission_log import LOG
+from uwsim.flight.log import LOG
 from uwsim.flight.results import MAP, RESULT_FILES
 from uwsim.flight.terminal import Silent
 

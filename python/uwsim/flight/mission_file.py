@@ -11,7 +11,7 @@ from inspect import signature
 from pathlib import Path
 from typing import Any
 
-from uwsim.base.did_you_mean import did_you_mean
+from uwsim.base.named import did_you_mean
 from uwsim.missions.run import MissionFunction, first_parameter
 from uwsim.missions.unrun_steps import require_steps_run
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, cast
 
-from uwsim.base.did_you_mean import did_you_mean
+from uwsim.base.named import did_you_mean
 from uwsim.flight.field_flight import FieldFlight
 from uwsim.flight.flyable_lanes import (
     LEAST_SHARE,

@@ -10,7 +10,7 @@ from uwsim.base.options import OptionError, option
 from uwsim.flight.attachment import Attachment, AttachmentOptions, Departure
 
 if TYPE_CHECKING:
-    from uwsim.flight.patch_errors import PatchErrors
+    from uwsim.flight.raw_places import PatchErrors
     from uwsim.scoring.tpu import Uncertainties
 
 
@@ -45,7 +45,7 @@ class RawOptions(AttachmentOptions):
     @property
     def errors(self) -> PatchErrors | None:
         """The errors of installation. Raises ValueError."""
-        from uwsim.flight.patch_errors import PatchErrors
+        from uwsim.flight.raw_places import PatchErrors
 
         return PatchErrors.parse(self.offsets) if isinstance(self.offsets, str) else self.offsets
 

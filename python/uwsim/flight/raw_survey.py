@@ -11,14 +11,22 @@ from typing import Any, Literal
 import numpy as np
 
 from uwsim import _core
+from uwsim.base.arrays import Floats
 from uwsim.flight.attachment import Attachment
-from uwsim.flight.patch_errors import ErringPoses, PatchErrors
-from uwsim.flight.raw_places import Array, Motion, angles, estimated_covariance, level_axes, place_of_survey
-from uwsim.flight.raw_side_scan import RawSideScan
+from uwsim.flight.raw_places import (
+    ErringPoses,
+    Motion,
+    PatchErrors,
+    RawSideScan,
+    angles,
+    estimated_covariance,
+    level_axes,
+    place_of_survey,
+)
 from uwsim.flight.record import FlightRecord
 from uwsim.instruments.sonars.soundings import beam_directions, sound_speed_profile
 from uwsim.mapping.files.swath import EPOCH_NS, SoundSpeeds, SurveyHead, Swath, SwathWriter, survey_format
-from uwsim.scenario.spec.sonar_setup import SonarSetup
+from uwsim.scenario.spec.vehicle_entry import SonarSetup
 from uwsim.scoring.sounding_quality import SoundingQuality
 from uwsim.scoring.tpu import Uncertainties, deviations
 from uwsim.simulator.simulator import Simulator
@@ -70,7 +78,7 @@ class RawSurvey:
     def _water(self) -> _core.SoundSpeedProfile:
         return sound_speed_profile(self._sim.world.water)
 
-    def add(self, ping: Any, panel: object, world_from_body: Array, true_body: Array | None = None) -> None:
+    def add(self, ping: Any, panel: object, world_from_body: Floats, true_body: Floats | None = None) -> None:
         """Write a ping taken at a pose (4, 4). true_body: the true pose, by default the vehicle's current one."""
         true = np.asarray(self._sim.rov.pose.world_from_body if true_body is None else true_body, np.float64)
         body = np.asarray(world_from_body, np.float64)
@@ -96,7 +104,7 @@ class RawSurvey:
         if self._file is not None:
             self._file.discard()
 
-    def _head(self, body_from_sonar: Array) -> SurveyHead:
+    def _head(self, body_from_sonar: Floats) -> SurveyHead:
         model, scenario = self._sim.rov.sonar.model, self._sim.scenario
         deepest_m = -self._sim.world.lowest_m if self._bends else 0.0
         depths_m = np.arange(0.0, max(deepest_m, 0.0) + 2.0 * PROFILE_STEP_M, PROFILE_STEP_M)
@@ -116,7 +124,7 @@ class RawSurvey:
             comment=f"{comment}{errors}{known}{pose}",
         )  # fmt: skip
 
-    def _swath(self, ping: Any, body: Array, sonar: Array) -> Swath:
+    def _swath(self, ping: Any, body: Floats, sonar: Floats) -> Swath:
         position = body[:3, 3]
         latitude, longitude = self._place.degrees(position).tolist()
         roll, pitch, yaw = angles(body[:3, :3])
@@ -158,7 +166,7 @@ class RawSurvey:
         return replace(swath, vertical_deviation_m=vertical, horizontal_deviation_m=horizontal)
 
 
-def _deviations(ping: Any) -> tuple[Array, Array]:
+def _deviations(ping: Any) -> tuple[Floats, Floats]:
     """Return the vertical and horizontal standard deviations, nan where unknown."""
     vertical = getattr(ping, "vertical_deviation_m", None)
     if vertical is None:

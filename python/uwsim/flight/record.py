@@ -6,13 +6,13 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Generic, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
-from uwsim.flight.lanes_flown import LanesFlown, lanes_flown
-from uwsim.flight.ping_log import PingSample
+from uwsim.base.arrays import Floats
+from uwsim.flight.coverage import LanesFlown, lanes_flown
+from uwsim.flight.log import PingSample
 from uwsim.flight.samples import Samples
-from uwsim.flight.stages import MAP_THREAD_STAGES
 from uwsim.mapping import MapEngine, OccupancyMap
+from uwsim.mapping.map_filler import MAPPING, VERIFICATION, WAITING
 from uwsim.missions.mission import R_co
 from uwsim.missions.own_vehicle import Event
 from uwsim.scoring.map_score import MapScore
@@ -23,12 +23,23 @@ from uwsim.simulator.link_traffic import LinkRow
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from uwsim.flight.map_growth import GrowthRow
+    from uwsim.flight.coverage import GrowthRow
+
+
+PHYSICS, RAYS, CODEC, CONVERSION, SAMPLING, MISSION = "physics", "rays", "codec", "conversion", "samples", "mission"
+STAGES = (PHYSICS, RAYS, CODEC, CONVERSION, SAMPLING, MISSION, MAPPING)
+AUTOSAVE, RECORDING = "autosave", "recording"  # listed only when used, like VERIFICATION
+MAP_THREAD_STAGES = (MAPPING, VERIFICATION, AUTOSAVE)  # run on the map's thread, if it has one
+
+__all__ = [
+    "AUTOSAVE", "CODEC", "CONVERSION", "MAPPING", "MAP_THREAD_STAGES", "MISSION", "PHYSICS", "RAYS", "RECORDING",
+    "SAMPLING", "STAGES", "VERIFICATION", "WAITING",
+]  # fmt: skip
+
 
 DONE = "the mission is complete"
 BATTERY_EMPTY = "the battery is used up"  # missions that check the battery themselves use the same text
 INTERRUPTED = "interrupted (Ctrl-C)"
-Array = NDArray[np.float64]
 
 
 class Ashore(Protocol):
@@ -79,15 +90,15 @@ class FlightRecord(Generic[R_co]):
     wall_s: float
     events: list[Event] = field(default_factory=list)
     samples: dict[str, Samples] = field(default_factory=dict)
-    budgets_m: dict[str, dict[str, Array]] = field(default_factory=dict)
+    budgets_m: dict[str, dict[str, Floats]] = field(default_factory=dict)
     result: R_co = None  # type: ignore[assignment]  # the type of a mission that has ended by itself
     error: Exception | None = None
     sonar_model: str | None = None
     threads: int = 1
     stage_wall_s: dict[str, float] = field(default_factory=dict)
     occupancy: OccupancyMap | None = None
-    pings_world_m: dict[str, Array] = field(default_factory=dict)
-    true_pings_world_m: dict[str, Array] = field(default_factory=dict)
+    pings_world_m: dict[str, Floats] = field(default_factory=dict)
+    true_pings_world_m: dict[str, Floats] = field(default_factory=dict)
     echo_count: int = 0
     range_max_m: float = 0.0
     voxel_m: float = 0.0
@@ -98,7 +109,7 @@ class FlightRecord(Generic[R_co]):
     pings_with_warning: dict[str, int] = field(default_factory=dict)
     warning_limits_m: dict[str, float] = field(default_factory=dict)
     sample_ping: PingSample | None = None
-    area_world_m: Array | None = None
+    area_world_m: Floats | None = None
     score: MapScore | None = None
     verified: bool | None = None
     link: list[LinkRow] = field(default_factory=list)
@@ -155,17 +166,17 @@ class FlightRecord(Generic[R_co]):
         return max(self.wall_s - sum(flying), 0.0)
 
     @property
-    def all_pings_world_m(self) -> Array:
+    def all_pings_world_m(self) -> Floats:
         """The sonar positions (n, 3) used for the map, vehicle by vehicle."""
         return np.concatenate([*self.pings_world_m.values(), np.empty((0, 3))])
 
     @property
-    def path_world_m(self) -> Array:
+    def path_world_m(self) -> Floats:
         """The true sonar positions (n, 3) at the pings, vehicle by vehicle, or the estimated ones if unknown."""
         return np.concatenate([*(self.true_pings_world_m or self.pings_world_m).values(), np.empty((0, 3))])
 
     @property
-    def position_error_m(self) -> Array:
+    def position_error_m(self) -> Floats:
         """Distance (n,) between the true sonar position and the one used for the map, at each ping."""
         return np.asarray(np.linalg.norm(self.all_pings_world_m - self.path_world_m, axis=1), np.float64)
 

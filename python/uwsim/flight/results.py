@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from uwsim.base.extras import MissingExtraError
-from uwsim.flight.mission_log import rewrite_if_lost
+from uwsim.flight.log import rewrite_if_lost
 from uwsim.flight.record import Ashore, FlightRecord
 from uwsim.flight.summary import ashore_text, flight_values, summary_table
 from uwsim.flight.terminal import Silent

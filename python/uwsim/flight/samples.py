@@ -16,7 +16,7 @@ from uwsim.base.arguments import plain
 from uwsim.base.atomic_file import write_atomically
 from uwsim.base.axes import AXES
 from uwsim.base.wall_timer import Measurement
-from uwsim.flight.ping_log import PANEL_WARNINGS, lit
+from uwsim.flight.log import PANEL_WARNINGS, lit
 from uwsim.instruments.gauges import GAUGES
 from uwsim.mapping.files.georeference import Georeference
 from uwsim.missions.own_vehicle import OwnVehicle

@@ -10,7 +10,7 @@ from rich.markup import escape
 from rich.table import Table
 from rich.text import Text
 
-from uwsim.flight.ping_log import PANEL_WARNINGS
+from uwsim.flight.log import PANEL_WARNINGS
 from uwsim.flight.record import FlightRecord
 from uwsim.flight.samples import PERIOD_S, Samples
 from uwsim.scoring.map_score import MapScore

@@ -12,13 +12,11 @@ from uwsim.flight.engine import Flight
 from uwsim.flight.fly import fly
 from uwsim.flight.flyable_lanes import LEAST_SHARE, required_survey
 from uwsim.flight.missions import AnyMission, found_mission
-from uwsim.flight.pinging import SURVEYED, MapSetup, TakePing
+from uwsim.flight.pinging import SURVEYED, MapSetup, TakePing, filters_outliers
 from uwsim.flight.record import FlightRecord
-from uwsim.flight.request import EstimateKind
+from uwsim.flight.request import EstimateKind, with_survey
 from uwsim.flight.setup import Setup
-from uwsim.flight.survey_area import with_survey
 from uwsim.flight.terminal import Silent, Terminal
-from uwsim.flight.vehicle_chain import filters_outliers
 from uwsim.mapping import OccupancyMap
 from uwsim.scenario import AnyScenario, load
 from uwsim.simulator.simulator import Simulator

@@ -11,16 +11,14 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwsim.base.arrays import Floats
 from uwsim.base.sockets import blaming
 from uwsim.instruments.acoustics.pinger_sound import Burst, PingerSound
 from uwsim.instruments.errors import Errors
 from uwsim.instruments.readings import Reading
 from uwsim.scenario.spec.sensor import Noise, SensorMount
 from uwsim.scenario.spec.sensor_kind import GROUP, DerivedKind, Widths, figures_of
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

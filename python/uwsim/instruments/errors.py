@@ -11,11 +11,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwsim.base.arrays import Floats
 from uwsim.scenario.spec.sensor import Noise
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -6,9 +6,8 @@ from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from uwsim.base.arrays import Floats
 
 
 @dataclass(frozen=True, eq=False, repr=False)

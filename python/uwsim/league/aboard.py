@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from uwsim.base.commands import COMMANDS, NOTE
-from uwsim.base.did_you_mean import did_you_mean
+from uwsim.base.named import did_you_mean
 from uwsim.bridges.bridge import Bridge
 from uwsim.channels import Channel, Table, require_live
 from uwsim.channels.calls.command_services import arguments_of

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from uwsim.base.arrays import Floats
 
 
 def rows(where: str, name: str, values: Any, shape: tuple[int, ...], members: NDArray[np.intp] | None = None) -> Floats:

@@ -15,7 +15,7 @@ from gymnasium.spaces import Box, Dict, Space
 from numpy.typing import NDArray
 
 from uwsim.base.axes import AXES
-from uwsim.base.did_you_mean import did_you_mean
+from uwsim.base.named import did_you_mean
 from uwsim.learning.arrays import require_shape, rows
 from uwsim.learning.task import Field, Flags, Floats, Start, Task, Verdict
 

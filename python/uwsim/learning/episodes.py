@@ -14,7 +14,7 @@ import numpy as np
 from gymnasium.utils.seeding import np_random
 from numpy.typing import NDArray
 
-from uwsim.base.did_you_mean import did_you_mean
+from uwsim.base.named import did_you_mean
 from uwsim.batch import Batch
 from uwsim.learning.checks import checked_efforts, checked_start, checked_verdict, require_observed, require_task
 from uwsim.learning.eye import Eye, look

@@ -7,11 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.base.arrays import Floats
 from uwsim.base.short_repr import ShortRepr
 from uwsim.batch import BatchMotion
 from uwsim.navigation.control import EstimateLike
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from uwsim.base.did_you_mean import did_you_mean
+from uwsim.base.named import did_you_mean
 from uwsim.batch.arguments import FaultList
 from uwsim.learning.task import Task
 from uwsim.scenario import AnyScenario, Scenario

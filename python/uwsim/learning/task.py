@@ -12,6 +12,7 @@ import numpy as np
 from gymnasium.spaces import Box, Space
 from numpy.typing import NDArray
 
+from uwsim.base.arrays import Floats as Floats
 from uwsim.base.axes import AXES
 from uwsim.base.short_repr import ShortRepr
 from uwsim.batch import Batch
@@ -20,7 +21,6 @@ from uwsim.learning.motion import Motion
 from uwsim.scenario import AnyScenario
 from uwsim.scenario.read.assets import assets_folder
 
-Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 PACKAGED = assets_folder() / "learning"
 """The folder with the scenarios of the packaged tasks."""

@@ -12,7 +12,7 @@ from typing import Any, Self
 
 from uwsim.base.agenda import NEVER, Rank
 from uwsim.base.commands import COMMANDS
-from uwsim.base.did_you_mean import did_you_mean
+from uwsim.base.named import did_you_mean
 from uwsim.channels import Channel, Service, Table
 from uwsim.channels.request import Request, following
 from uwsim.link import remote

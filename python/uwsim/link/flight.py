@@ -9,9 +9,8 @@ from dataclasses import replace
 from uwsim.channels import Table
 from uwsim.channels.families.scans import PLACED
 from uwsim.flight.attachment import Attachment, Departure
-from uwsim.flight.pinging import SURVEYED
+from uwsim.flight.pinging import SURVEYED, ping_steps
 from uwsim.flight.record import FlightRecord
-from uwsim.flight.vehicle_chain import ping_steps
 from uwsim.link import Carrier
 from uwsim.link.ashore import placed_points
 from uwsim.link.carried import carried_channels

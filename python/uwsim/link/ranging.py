@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from uwsim import _core
 from uwsim.link.rates import airtime_s
-from uwsim.scenario.spec.modem import Access, ModemModel
+from uwsim.scenario.spec.link import Access, ModemModel
 from uwsim.scenario.spec.sensor import SensorMount
 from uwsim.scenario.spec.sensor_kind import sensor_kind
 from uwsim.simulator.simulator import Simulator

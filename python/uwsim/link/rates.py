@@ -8,7 +8,7 @@ from itertools import groupby
 
 from uwsim.channels.channel import COMMAND, INSTRUMENT, PANEL, PICTURE, PING
 from uwsim.link.carried import Carried
-from uwsim.scenario.spec.modem import Access, ModemModel
+from uwsim.scenario.spec.link import Access, ModemModel
 
 WANTED_HZ = {COMMAND: 10.0, PANEL: 1.0, INSTRUMENT: 1.0, PING: 1.0, PICTURE: 0.5}
 """Desired rates of channels by priority; higher rates would only make other channels wait."""

@@ -11,8 +11,7 @@ from uwsim.missions.mow import mow
 from uwsim.missions.obstacle_memory import ObstacleMemory
 from uwsim.missions.own_vehicle import Event, OwnVehicle
 from uwsim.missions.run import begin, run
-from uwsim.missions.steps import Steps, Wait, drive, parallel, race, until, wait
-from uwsim.missions.stopped import StoppedError
+from uwsim.missions.steps import Steps, StoppedError, Wait, drive, parallel, race, until, wait
 from uwsim.missions.tether_home import follow_tether
 from uwsim.missions.vehicle import Vehicle
 from uwsim.missions.waypoints import visit

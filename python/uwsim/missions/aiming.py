@@ -1,11 +1,25 @@
-"""aim_to: a step that turns a sonar's head or a camera and waits until it points in the requested direction."""
+"""Steps that turn a sonar's head or a camera and wait until it points in the requested direction."""
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
-from uwsim.missions.steps import Steps, until
-from uwsim.missions.stopped import StoppedError
+from uwsim.missions.steps import Steps, StoppedError, until
+
+TOLERANCE_RAD = math.radians(0.5)
+HEAD_TIMEOUT_S = 60.0
+
+
+def is_at(sonar: Any, elevation_rad: float) -> bool:
+    """Return whether the head has reached an elevation; always True for a sonar that does not report its elevation."""
+    return bool(abs(getattr(sonar, "elevation_rad", elevation_rad) - elevation_rad) <= TOLERANCE_RAD)
+
+
+def until_at(sonar: Any, elevation_rad: float) -> Steps[bool]:
+    """Wait on the spot until the head reaches an elevation; return False on timeout."""
+    return until(lambda: is_at(sonar, elevation_rad), timeout_s=HEAD_TIMEOUT_S)
+
 
 TIMEOUT_S = 120.0
 """Longer than any packaged head needs for half a turn; a slower head needs a longer timeout_s."""

@@ -9,16 +9,14 @@ from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwsim.base.arrays import Floats
 from uwsim.base.polygon import inside, is_crossed
 from uwsim.mapping.files.georeference import Place
 from uwsim.missions.items import CHORDS, CIRCLE, JUMP, KINDS, RETURN
 from uwsim.missions.own_vehicle import OwnVehicle
-from uwsim.missions.steps import Steps
-from uwsim.missions.stopped import StoppedError
+from uwsim.missions.steps import Steps, StoppedError
 
-Vector = NDArray[np.float64]
 RETURN_POINT, POLYGON_IN, POLYGON_OUT, CIRCLE_IN, CIRCLE_OUT = range(5000, 5005)  # MAV_CMD_NAV_FENCE_...
 BREACHED = "fence_breached"
 """The event in a mission's log."""
@@ -44,10 +42,10 @@ class Fence:
         self._place = place
 
     @cached_property
-    def _corners_m(self) -> list[Vector]:
+    def _corners_m(self) -> list[Floats]:
         return [np.array([self._place.world_m(*at, 0.0)[:2] for at in zone.corners]) for zone in self.zones]
 
-    def breach(self, start_m: Vector, end_m: Vector | None = None) -> str | None:
+    def breach(self, start_m: Floats, end_m: Floats | None = None) -> str | None:
         """Return how a place in the world, or the line to a second one, leaves the fence; None if it does not."""
         start = np.asarray(start_m, np.float64)[:2]
         ends = np.array([start] if end_m is None else [start, np.asarray(end_m, np.float64)[:2]])
@@ -65,7 +63,7 @@ class Fence:
                 return f"{verb} zone {number} of the fence, a {shape} to stay {'in' if zone.is_inclusion else 'out of'}"
         return None
 
-    def refusal(self, items: Iterable[Any], launch_m: Vector | None = None) -> str | None:
+    def refusal(self, items: Iterable[Any], launch_m: Floats | None = None) -> str | None:
         """Return which item leads where out of the fence, on the legs between items; None if none does.
 
         launch_m: where the mission begins, and where items return to, if it is known.
@@ -92,11 +90,11 @@ class Fence:
             steps.close()
 
 
-def legs_m(items: Sequence[Any], place: Place, launch_m: Vector | None) -> Iterator[tuple[int, Vector, Vector]]:
+def legs_m(items: Sequence[Any], place: Place, launch_m: Floats | None) -> Iterator[tuple[int, Floats, Floats]]:
     """Yield an item's number and both ends of each line that leads to it; twice the place of a first one."""
     before = launch_m
 
-    def to(number: int, point: Vector) -> tuple[int, Vector, Vector]:
+    def to(number: int, point: Floats) -> tuple[int, Floats, Floats]:
         return number, (point if before is None else before), point
 
     for item in items:
@@ -118,7 +116,7 @@ def legs_m(items: Sequence[Any], place: Place, launch_m: Vector | None) -> Itera
             before = None
 
 
-def _distances_m(centre: Vector, start: Vector, end: Vector) -> tuple[float, float]:
+def _distances_m(centre: Floats, start: Floats, end: Floats) -> tuple[float, float]:
     """Return the least and the greatest distance of a line from a point."""
     along = end - start
     share = float((centre - start) @ along) / max(float(along @ along), 1e-12)

@@ -9,24 +9,15 @@ from itertools import pairwise
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwsim.base.arrays import Floats
 from uwsim.mapping.files.georeference import Place
-from uwsim.missions.lane_lengths import (
-    LANE_FLOWN,
-    LANES_FLOWN,
-    LEAST_FLOWN,
-    LaneEnd,
-    lane_values,
-    not_flown_because,
-)
+from uwsim.missions.lanes import LANE_FLOWN, LANES_FLOWN, LEAST_FLOWN, LaneEnd, lane_values, not_flown_because
 from uwsim.missions.moves import SPEED_MAX_M_S, follow_leg, goto, hold, surface, turn_to
 from uwsim.missions.own_vehicle import OwnVehicle
-from uwsim.missions.steps import Steps
-from uwsim.missions.stopped import StoppedError
+from uwsim.missions.steps import Steps, StoppedError
 from uwsim.navigation.sensor_choice import altimeter
 
-Vector = NDArray[np.float64]
 SPEED_M_S = 0.5
 ABOVE_SEA, ABOVE_HOME, ABOVE_BED = (0, 5), (3, 6), (10, 11)  # MAV_FRAME; the first two are relative to the surface
 HEIGHT_MAX_M, ITEMS_MAX, NEAR_BED_M = 1000.0, 1000, 1.0
@@ -73,7 +64,7 @@ class Ground(Protocol):
         """The vehicle as simulated."""
 
     @property
-    def launch_world_m(self) -> Vector:
+    def launch_world_m(self) -> Floats:
         """The home position, at the surface."""
 
     @property
@@ -110,15 +101,15 @@ class Pilot:
     servos: Outputs
     within_m: float
     speed_m_s: float = SPEED_M_S
-    passed: Vector | None = None
+    passed: Floats | None = None
     number: int = 0
     every_m: float = 0.0
     every_s: float = 0.0
     shots: int = 0
-    shot_at: tuple[float, Vector] | None = None
+    shot_at: tuple[float, Floats] | None = None
     legs: list[tuple[float, LaneEnd]] = field(default_factory=list)
 
-    def place(self, item: Any) -> Vector:
+    def place(self, item: Any) -> Floats:
         """Return an item's position; latitude and longitude 0 stand for the present ones."""
         point = self.craft.home.world_m(1e-7 * item.x, 1e-7 * item.y, item.z)
         if not (item.x or item.y):
@@ -131,7 +122,7 @@ class Pilot:
             return float(item.z)
         return None if self.vehicle.beyond_terrain(*self.place(item)) is None else NEAR_BED_M
 
-    def go(self, point: Vector, height_m: float | None = None) -> Steps[None]:
+    def go(self, point: Floats, height_m: float | None = None) -> Steps[None]:
         """Fly along the leg from the last waypoint, if there is one, and to the point.
 
         height_m: above the bed, by the altimeter, in place of the point's z, which is then the one that it leads to.
@@ -144,7 +135,7 @@ class Pilot:
             point[2] = self.vehicle.pose.position_world_m[2]
         self.passed = point
 
-    def _leg(self, start: Vector, to: Vector, height_m: float | None) -> Steps[None]:
+    def _leg(self, start: Floats, to: Floats, height_m: float | None) -> Steps[None]:
         """Fly a leg, and note how much of it was flown."""
         length_m, entry_m = math.dist(start[:2], to[:2]), self._along_m(start, to)
         because = "the mission ended"
@@ -159,14 +150,14 @@ class Pilot:
             self.legs.append((length_m, end))
             self.vehicle.log(LANE_FLOWN, **lane_values(self.number, length_m, end))
 
-    def _along_m(self, start: Vector, to: Vector) -> float:
+    def _along_m(self, start: Floats, to: Floats) -> float:
         """Return how far along a leg the vehicle is, between 0 and its length."""
         leg = to[:2] - start[:2]
         length_m = float(np.hypot(*leg))
         along_m = float((self.vehicle.pose.position_world_m[:2] - start[:2]) @ leg) / max(length_m, 1e-9)
         return min(max(along_m, 0.0), length_m)
 
-    def stay(self, duration_s: float, point: Vector | None = None) -> Steps[None]:
+    def stay(self, duration_s: float, point: Floats | None = None) -> Steps[None]:
         """Hold a position, by default the present one."""
         if duration_s > 0:
             yield from hold(self.vehicle, duration_s, position_world_m=point)

@@ -11,11 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.missions.dubins import dubins_points
-from uwsim.missions.lane_lengths import LaneEnd
-from uwsim.missions.lanes import Lane
+from uwsim.missions.lanes import Lane, LaneEnd
 from uwsim.missions.lookout import Lookout
-from uwsim.missions.steps import Steps
-from uwsim.missions.stopped import StoppedError
+from uwsim.missions.steps import Steps, StoppedError
 from uwsim.navigation.control.autopilot import wrap_angle
 from uwsim.navigation.control.protocols import Watch
 

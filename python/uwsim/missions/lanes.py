@@ -1,16 +1,50 @@
-"""Parallel lanes that cover a polygon, flown in a lawn-mower pattern."""
+"""Parallel lanes that cover a polygon, flown in a lawn-mower pattern, and their lengths, flown and planned."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
-Point = NDArray[np.float64]
+from uwsim.base.arrays import Floats
+
+LANE_FLOWN, LANES_FLOWN = "lane_flown", "lanes_flown"
+"""The events at the end of each lane and of all."""
+LEAST_FLOWN = 0.95
+"""The share of the planned length below which a mission over lanes is not complete."""
+
+
+@dataclass(frozen=True)
+class LaneEnd:
+    """The end of a lane: how much of it was flown, and why no more; "" if it was flown to its end."""
+
+    flown_m: float
+    because: str
+
+
+def lane_values(number: int, planned_m: float, end: LaneEnd) -> dict[str, float | str]:
+    """Return the values of the event LANE_FLOWN."""
+    why = {"because": end.because} if end.because else {}
+    return {"number": number, "flown_m": round(end.flown_m, 2), "planned_m": round(planned_m, 2), **why}
+
+
+def not_flown_because(flown_m: float, planned_m: float, ended: Iterable[LaneEnd]) -> str:
+    """Return a clause that states how much was flown, and why lanes were cut short."""
+    reasons = Counter(end.because for end in ended if end.because)
+    cut = "; ".join(f"{reason} on {count} of the lanes" for reason, count in reasons.most_common())
+    return f"only {flown_text(flown_m, planned_m)} was flown{f': {cut}' if cut else ''}"
+
+
+def flown_text(flown_m: float, planned_m: float) -> str:
+    """Return text such as `93.2 % of the planned lanes (178 of 191 m)`, never rounded up."""
+    percent = math.floor(1000.0 * flown_m / planned_m) / 10.0 if planned_m > 0.0 else 100.0
+    return f"{percent:g} % of the planned lanes ({flown_m:,.0f} of {planned_m:,.0f} m)"
+
+
 Span = tuple[float, float]
 
 
@@ -18,8 +52,8 @@ Span = tuple[float, float]
 class Lane:
     """A straight line to fly from start_m to end_m, (2,) each."""
 
-    start_m: Point
-    end_m: Point
+    start_m: Floats
+    end_m: Floats
 
     @cached_property
     def length_m(self) -> float:
@@ -32,11 +66,11 @@ class Lane:
         return math.atan2(self.direction[1], self.direction[0])
 
     @cached_property
-    def direction(self) -> Point:
+    def direction(self) -> Floats:
         """Unit vector from start to end."""
         return (self.end_m - self.start_m) / self.length_m
 
-    def locate(self, point_m: Point) -> tuple[float, float]:
+    def locate(self, point_m: Floats) -> tuple[float, float]:
         """Return (along, across) of a point: metres past the start, and metres to port of the line."""
         along_x, along_y, start_x, start_y = self._line
         dx, dy = float(point_m[0]) - start_x, float(point_m[1]) - start_y
@@ -54,10 +88,10 @@ class Lane:
 
 
 def lawn_mower_lanes(
-    area_m: Sequence[Sequence[float]] | Point,
+    area_m: Sequence[Sequence[float]] | Floats,
     spacing_m: float,
     run_out_m: float,
-    near_m: Point,
+    near_m: Floats,
     *,
     heading_deg: float | None = None,
     cross_lines: int = 0,
@@ -85,7 +119,7 @@ def lawn_mower_lanes(
     return lanes + ordered(_cells(area, across, cross_lines, run_out_m), lanes[-1].end_m)
 
 
-def _cells(area: Point, along: Point, count: int, run_out_m: float) -> list[list[Lane]]:
+def _cells(area: Floats, along: Floats, count: int, run_out_m: float) -> list[list[Lane]]:
     """Return a number of evenly spaced lanes along a direction, in cells. Raises ValueError if no lane fits."""
     across = np.array([-along[1], along[0]])
     low, high = (area @ across).min(), (area @ across).max()
@@ -103,7 +137,7 @@ def _cells(area: Point, along: Point, count: int, run_out_m: float) -> list[list
     return cells
 
 
-def spans(along: Point, across: Point, offset: float) -> list[Span]:
+def spans(along: Floats, across: Floats, offset: float) -> list[Span]:
     """Return the intervals of the line at `offset` that lie inside the polygon.
 
     along, across: along-line and across-line coordinates of the polygon's corners.
@@ -140,7 +174,7 @@ def _overlap(a: Span, b: Span) -> bool:
     return a[0] < b[1] and b[0] < a[1]
 
 
-def ordered(cells: Sequence[list[Lane]], near_m: Point) -> list[Lane]:
+def ordered(cells: Sequence[list[Lane]], near_m: Floats) -> list[Lane]:
     """Return the lanes in flight order: after each cell, the one whose start is nearest comes next."""
     flown: list[Lane] = []
     here, left = near_m, list(cells)

@@ -16,8 +16,7 @@ from numpy.typing import NDArray
 
 from uwsim.base.arguments import require_positive
 from uwsim.missions.own_vehicle import OwnVehicle, own_vehicle
-from uwsim.missions.steps import Steps, wait
-from uwsim.missions.stopped import StoppedError
+from uwsim.missions.steps import Steps, StoppedError, wait
 from uwsim.missions.vehicle import Vehicle
 from uwsim.navigation.control.autopilot import Autopilot, wrap_angle
 from uwsim.navigation.control.controller import Controller

@@ -5,8 +5,7 @@ from __future__ import annotations
 from uwsim.missions.lawn_mower import COVERED, AdaptiveLawnMower
 from uwsim.missions.lawn_mower_plan import LawnMowerPlan
 from uwsim.missions.own_vehicle import own_vehicle
-from uwsim.missions.steps import Steps
-from uwsim.missions.stopped import StoppedError
+from uwsim.missions.steps import Steps, StoppedError
 from uwsim.missions.vehicle import Vehicle
 
 

@@ -20,6 +20,11 @@ from typing import Any, TypeVar
 
 from uwsim.navigation.control.protocols import Clock
 
+
+class StoppedError(Exception):
+    """The mission ended early; the message states the reason, such as "stuck 3 m before (10, 20, -5) m"."""
+
+
 T = TypeVar("T")
 LONGEST_S = 1e9
 

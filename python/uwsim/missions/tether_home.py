@@ -7,8 +7,7 @@ from numpy.typing import NDArray
 
 from uwsim.missions.moves import goto
 from uwsim.missions.own_vehicle import own_vehicle
-from uwsim.missions.steps import Steps
-from uwsim.missions.stopped import StoppedError
+from uwsim.missions.steps import Steps, StoppedError
 from uwsim.missions.vehicle import Vehicle
 
 SPACING_M = 2.0

@@ -24,9 +24,8 @@ from mcap.records import Attachment, Channel, Chunk, DataEnd, Footer, Header, Me
 from mcap.writer import MCAP0_MAGIC
 
 from uwsim.base.texts.text_file import require_regular
-from uwsim.recording.chunk import UNREADABLE, in_chunk
 from uwsim.recording.commands import COMMANDS
-from uwsim.recording.mcap_file import RECORD_HEAD
+from uwsim.recording.mcap_file import RECORD_HEAD, UNREADABLE, in_chunk
 from uwsim.recording.mcap_sink import LIBRARY, PROFILE, START
 
 SEQUENCES = 1 << 32

@@ -16,7 +16,7 @@ from uwsim.channels.ros import build
 from uwsim.channels.ros.own_types import MAP_CHANGES
 from uwsim.mapping import ranging
 from uwsim.recording.head import RecordedHead, recorded_head
-from uwsim.recording.ping_channel import NAME
+from uwsim.recording.pings import NAME
 
 if TYPE_CHECKING:
     from uwsim.recording.messages import Messages

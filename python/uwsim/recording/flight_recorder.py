@@ -11,12 +11,11 @@ from uwsim import _core
 from uwsim.channels import Channel, Table
 from uwsim.channels.ros.own_types import SONAR_PING
 from uwsim.flight.attachment import Attachment, Departure
-from uwsim.flight.record import FlightRecord
+from uwsim.flight.pinging import ping_interval_s
+from uwsim.flight.record import RECORDING, FlightRecord
 from uwsim.flight.request import FlightRequest
-from uwsim.flight.stages import RECORDING
-from uwsim.flight.vehicle_chain import ping_interval_s
 from uwsim.recording.mcap_sink import SURVEY
-from uwsim.recording.ping_channel import NAME, ping_message
+from uwsim.recording.pings import NAME, ping_message
 from uwsim.recording.recorder import MAP_TYPE, Recorder
 from uwsim.simulator.simulator import Simulator
 

@@ -19,13 +19,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation, Slerp
 
+from uwsim.base.arrays import Floats
 from uwsim.channels.ros import build
 from uwsim.mapping import OccupancyMap, ranging
 from uwsim.recording.contents import NOT_OURS
 from uwsim.recording.reader import Recording
 from uwsim.scenario.read.contained import run_contained
 
-Floats = NDArray[np.float64]
 TRANSFORMS = ("tf2_msgs/msg/TFMessage", "tf/msg/tfMessage")
 METADATA, LEVELS_MAX, VOXEL_M = "metadata.yaml", 100, 0.2
 LATE_NS = 100_000_000

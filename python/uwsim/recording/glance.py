@@ -12,8 +12,8 @@ from mcap.opcode import Opcode
 from mcap.reader import SeekingReader
 
 from uwsim.base.texts.text_file import require_regular
-from uwsim.recording.chunk import UNREADABLE
 from uwsim.recording.contents import parsed, places
+from uwsim.recording.mcap_file import UNREADABLE
 from uwsim.recording.mcap_sink import END, START, VERSION
 from uwsim.recording.metadata import End, Start, checked
 

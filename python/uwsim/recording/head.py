@@ -13,7 +13,7 @@ from uwsim.mapping import OccupancyMap
 from uwsim.mapping.ping_to_map import PingToMap
 from uwsim.recording.capsule import unpack
 from uwsim.scenario import Scenario
-from uwsim.scenario.build.ping_chain import ping_chain
+from uwsim.scenario.build.multibeam import ping_chain
 from uwsim.scenario.build.vehicle import vehicle_spec
 
 if TYPE_CHECKING:

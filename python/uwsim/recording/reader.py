@@ -18,7 +18,7 @@ from uwsim.recording.contents import NOT_OURS, read_contents, read_messages
 from uwsim.recording.mcap_sink import END, START, SURVEY, VERSION, metadata_of
 from uwsim.recording.messages import ChannelInfo, Recorded
 from uwsim.recording.metadata import End, Start, checked
-from uwsim.recording.ping_channel import NAME as PINGS
+from uwsim.recording.pings import NAME as PINGS
 from uwsim.recording.pings import taken_ping
 
 if TYPE_CHECKING:

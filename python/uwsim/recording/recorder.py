@@ -27,16 +27,12 @@ from uwsim.link import is_seen
 from uwsim.live import LiveSimulator
 from uwsim.recording.bag_sink import BagSink
 from uwsim.recording.capsule import fingerprint, pack
-from uwsim.recording.commands import COMMANDS, Command, command_message
+from uwsim.recording.commands import COMMANDS, Command, JoinedFrames, command_message, end_tick
 from uwsim.recording.derived import FROM_PINGS
-from uwsim.recording.held import LAST, Held
-from uwsim.recording.joined_frames import JoinedFrames, end_tick
 from uwsim.recording.mcap_sink import LIVE, VERSION, McapSink
-from uwsim.recording.ping_channel import ping_channel
-from uwsim.recording.queue import WAITING_BYTES, WritingQueue
-from uwsim.recording.sink import Sink
-from uwsim.recording.tape import Messages
-from uwsim.recording.watch import Watch
+from uwsim.recording.pings import ping_channel
+from uwsim.recording.sink import LAST, WAITING_BYTES, Held, Sink, WritingQueue
+from uwsim.recording.watch import Messages, Watch
 from uwsim.scenario.fingerprint import build_fingerprint
 from uwsim.simulator.simulator import Simulator
 

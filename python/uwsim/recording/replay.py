@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import tempfile
+import time
 import warnings
 import weakref
 from collections import Counter, defaultdict, deque
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from uwsim.base.commands import bound_command
 from uwsim.base.journal import JUMPS
@@ -21,16 +22,42 @@ from uwsim.channels.ros.own_types import MAP_CHANGES
 from uwsim.link import seen_channels
 from uwsim.recording.capsule import unpack
 from uwsim.recording.commands import COMMANDS, Command, command_of
-from uwsim.recording.difference import differences
+from uwsim.recording.diff import differences
 from uwsim.recording.mcap_sink import SURVEY
 from uwsim.recording.messages import Recorded
 from uwsim.recording.moments import Moments
-from uwsim.recording.ping_channel import NAME, ping_channel, survey_ping
+from uwsim.recording.pings import NAME, ping_channel, survey_ping
 from uwsim.recording.reader import Recording
 from uwsim.recording.recorder import MAP_TYPE, STATE, state_digest
 from uwsim.recording.watch import Watch
 from uwsim.scenario.fingerprint import BuildWarning, warn_of_other_build
 from uwsim.simulator.simulator import Simulator
+
+
+class Pacer:
+    """Waits until a simulated time is due.
+
+    The schedule starts with the first call and after simulated time goes back.
+    """
+
+    def __init__(self, speed: float | Literal["max"]) -> None:
+        """speed: simulated seconds per wall-clock second, or "max". Raises ValueError."""
+        if speed != "max" and not 1e-3 <= speed <= 1e6:  # false for NaN as well
+            raise ValueError(f"speed = {speed:g}: must be in [0.001, 1000000], or max")
+        self._speed = speed
+        self._zero_s = 0.0
+        self._last_ns: int | None = None
+
+    def wait(self, time_ns: int) -> None:
+        """Wait until the given simulated time is due."""
+        if self._speed == "max":
+            return
+        due_s = 1e-9 * time_ns / self._speed
+        if self._last_ns is None or time_ns < self._last_ns:
+            self._zero_s = time.monotonic() - due_s
+        self._last_ns = time_ns
+        time.sleep(max(self._zero_s + due_s - time.monotonic(), 0.0))
+
 
 OnTime = Callable[[int], None]
 """Called with the simulated time before each recorded message is compared; may wait to control the pace."""

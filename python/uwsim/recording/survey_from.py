@@ -1,32 +1,61 @@
-"""Rebuilds a survey's map and report from its recording alone."""
+"""Rebuilds from a recording alone: a survey's map and report, a live run's map, a film, a raw survey."""
 
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, cast
 
+import numpy as np
 from pydantic import TypeAdapter, ValidationError
 
 from uwsim import _core
-from uwsim.flight.patch_errors import PatchErrors
-from uwsim.flight.ping_log import PingLog
-from uwsim.flight.raw_survey import RawSurvey
+from uwsim.base.journal import JUMPS
+from uwsim.base.own_files import require_own
+from uwsim.channels.families.map import insert_ping
+from uwsim.figures.map_film import FILMS, MapFilm, write_film
+from uwsim.flight.coverage import growth_row
+from uwsim.flight.log import PingLog
+from uwsim.flight.pinging import chain_of, filters_outliers, survey_area_m
+from uwsim.flight.raw_places import PatchErrors
+from uwsim.flight.raw_survey import RawSurvey, raw_writer
 from uwsim.flight.record import FlightRecord
 from uwsim.flight.request import FlightRequest
 from uwsim.flight.results import write_results
 from uwsim.flight.terminal import Terminal
-from uwsim.flight.vehicle_chain import chain_of, filters_outliers, survey_area_m
 from uwsim.mapping import OccupancyMap
 from uwsim.mapping.map_filler import MapFiller
 from uwsim.recording.flight_recorder import NOTED
-from uwsim.recording.ping_channel import NAME
-from uwsim.recording.pings import recorded_pings
+from uwsim.recording.head import recorded_head
+from uwsim.recording.mcap_sink import SURVEY
+from uwsim.recording.pings import NAME, ping_topic, recorded_pings
 from uwsim.recording.reader import Recording
-from uwsim.recording.replay import new_simulator
+from uwsim.recording.replay import execute, new_simulator
 from uwsim.scoring.tpu import Uncertainties
 from uwsim.simulator.simulator import Simulator
+
+
+def live_map(
+    recording: Recording, vehicle: str | None = None, *, outlier_filter: bool | None = None
+) -> tuple[OccupancyMap, int]:
+    """Return the map, in odom, of a vehicle's pings since the last jump in time, and the number of pings.
+
+    outlier_filter: overrides the scenario's setting. Raises ValueError.
+    """
+    topic = ping_topic(recording, vehicle)
+    head = recorded_head(recording, topic, outlier_filter)
+    occupancy, newest_ns, count = head.new_map(), -1, 0
+    for taken, _ in recorded_pings(recording, topic):
+        stamp_ns = taken.ping.time_ns
+        if stamp_ns == newest_ns:
+            continue
+        if stamp_ns < newest_ns:
+            occupancy, count = head.new_map(), 0
+        newest_ns, count = stamp_ns, count + 1
+        insert_ping(occupancy, head, taken)
+    return occupancy, count
+
 
 Seen = Callable[[MapFiller, PingLog, int], None]
 """Sees how a map grows: the filler, the log of the pings so far, and the time of the last one [ns]."""
@@ -105,3 +134,87 @@ def repeated(
     if raw is not None:
         raw.close()
     return occupancy, log
+
+
+def film_of(recording: Recording, out: Path, *, pictures: int = 60, seconds: float = 12.0, width: int = 640) -> int:
+    """Write a film of the map beside the truth, with its mean distance from the true surface; return its pictures.
+
+    pictures: at equal numbers of pings. width: of the truth and of the map [pixels]. Raises ValueError or OSError.
+    """
+    if out.suffix not in FILMS:
+        raise ValueError(f"film '{out}': must end in {' or '.join(FILMS)}")
+    require_own(out)
+    if recording.start.kind != SURVEY:
+        raise ValueError(f"recording '{recording.path}': must be that of a survey or of a mission with a map")
+    sim, request = new_simulator(recording), request_of(recording)
+    area, pings = survey_area_m(sim), recording.info(NAME).message_count
+    if area is None or not pings:
+        raise ValueError(f"recording '{recording.path}': has no {'pings' if area is not None else 'survey area'}")
+    film = MapFilm(sim.world, sim.scene, area, request.voxel_m or 1.0, width)
+    due = set(np.linspace(pings, 0, pictures, endpoint=False).round().astype(int).tolist())
+    begun: list[int] = []
+
+    def seen(filler: MapFiller, log: PingLog, time_ns: int) -> None:
+        begun.append(time_ns)
+        if len(begun) in due:
+            path, time_s = np.array(log.positions_m), (time_ns - begun[0]) * 1e-9
+            filler.when_mapped(lambda: show(filler, path, time_s))
+
+    def show(filler: MapFiller, path: Any, time_s: float) -> None:
+        row = growth_row(filler.occupancy, sim, time_s)
+        minutes, seconds_left = divmod(round(time_s), 60)
+        value = "" if row is None else f", {row.distance_mean_m:.3f} m from the truth"
+        film.add(filler.occupancy.occupied_voxels(), path, f"map after {minutes}:{seconds_left:02}{value}")
+
+    repeated(recording, sim, request, seen)
+    write_film(out, film.pictures, seconds)
+    return len(film.pictures)
+
+
+def raw_from(
+    recording: Recording, topic: str, raw: Path, errors: PatchErrors | None = None, known: Uncertainties | None = None
+) -> int:
+    """Repeat a run, write its raw survey as in the flight at the times of the pings on a channel; return their number.
+
+    See `raw_writer`. Raises ValueError, also if this build does not repeat the run, or OSError.
+    """
+    sim = new_simulator(recording)
+    if topic not in (NAME, f"{sim.rov.name}/{NAME}"):
+        raise ValueError(f"--raw {raw}: is of the first vehicle, '{sim.rov.name}', whose pings are not on {topic}")
+    writer = raw_writer(sim, raw, errors, known)
+    try:
+        for ping in _repeated(recording, sim, topic):
+            writer.add(ping, None, np.asarray(sim.rov.pose.world_from_body, np.float64))
+        writer.close()
+    except BaseException:
+        writer.discard()
+        raise
+    return writer.count
+
+
+def _repeated(recording: Recording, sim: Simulator, topic: str) -> Iterator[_core.Ping]:
+    """Yield the pings of a channel, taken again at the time of each, before its commands."""
+    commands = iter(recording.commands())
+    command, last = next(commands, None), -1
+    for taken, _ in recorded_pings(recording, topic):
+        tick = taken.ping.time_ns // recording.step_ns
+        while command is not None and command.tick < tick:
+            if command.name in JUMPS:
+                reason = "its time was reset, at which a raw survey ends"
+                raise ValueError(f"recording '{recording.path}': tick {command.tick}: {reason}")
+            _step_to(sim, command.tick)
+            execute(sim, None, command)
+            command = next(commands, None)
+        if tick == last:  # a live run's channel may say the latest ping again
+            continue
+        _step_to(sim, tick)
+        last = tick
+        ping = sim.rov.sonar.ping()
+        if not np.array_equal(ping.ranges_m, taken.ping.ranges_m, equal_nan=True):
+            raise ValueError(f"recording '{recording.path}': tick {tick}: this build of uwsim does not repeat the ping")
+        yield ping
+
+
+def _step_to(sim: Simulator, tick: int) -> None:
+    if tick > sim.tick:
+        sim.step(tick - sim.tick)

@@ -10,11 +10,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.base.commands import NOTE
 from uwsim.base.journal import EFFORT, JUMPS
+from uwsim.base.texts.value_words import Detail
 from uwsim.channels.calls.services import SET_STREAM
-from uwsim.recording.command_stream import CommandStream
-from uwsim.recording.commands import COMMANDS, Command, command_of
-from uwsim.recording.happening import ECHOES, Happening
+from uwsim.recording.commands import COMMANDS, Command, CommandStream, command_of
 from uwsim.recording.mcap_sink import LIVE
 from uwsim.recording.reader import Recording
 from uwsim.recording.recorder import state_digest
@@ -22,6 +22,26 @@ from uwsim.recording.replay import execute, new_simulator, offered_channels, rep
 from uwsim.scenario.fingerprint import build_fingerprint, scenario_fingerprint
 from uwsim.simulator.failures import Event
 from uwsim.simulator.simulator import Simulator
+
+ECHOES = {
+    "all_stop": ("all_stop", "all_stop_ends"), "inject_fault": ("fault",), "end_fault": ("fault_ends",), NOTE: (NOTE,),
+}  # fmt: skip
+"""The events of the run that a command causes at once: it is listed in their place."""
+
+
+class Happening(NamedTuple):
+    """An event of a run. kind: `command`, `alarm` (faults and failsafes, too) or `collision`. text: all in English.
+
+    name: of the command or the event. vehicle: "" for the world. details: names and values in words.
+    """
+
+    time_s: float
+    kind: str
+    text: str
+    name: str
+    vehicle: str = ""
+    details: tuple[Detail, ...] = ()
+
 
 SPACING_S = 1.0  # simulated time between saved states, doubled whenever they exceed KEPT_BYTES
 KEPT_BYTES = 64 << 20

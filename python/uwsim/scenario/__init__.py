@@ -1,8 +1,8 @@
 """Scenarios: reading YAML files (`read`), validating them (`spec`) and converting them to core objects (`build`)."""
 
-from uwsim.scenario.build.control import ControlSettings, control_settings
+from uwsim.scenario.build.craft import ControlSettings, control_settings
 from uwsim.scenario.build.hull import RigidBody, rigid_body, vehicle_hull
-from uwsim.scenario.build.start_pose import start_pose
+from uwsim.scenario.build.station import start_pose
 from uwsim.scenario.build.terrain import Terrain, build_terrain
 from uwsim.scenario.build.world import build_world
 from uwsim.scenario.load import AnyScenario, load, packaged_scenarios

@@ -9,9 +9,8 @@ from typing import Any
 from uwsim.base.no_collections import no_collections
 from uwsim.scenario.read.assets import assets_folder, find_yaml, packaged_names
 from uwsim.scenario.read.errors import ScenarioError
-from uwsim.scenario.read.source_file import SourceFile
+from uwsim.scenario.read.spec_file import SourceFile, read_yaml
 from uwsim.scenario.read.validated import validated
-from uwsim.scenario.read.yaml_file import read_yaml
 from uwsim.scenario.spec.scenario import Scenario
 
 AnyScenario = str | Path | Scenario | Mapping[str, Any]

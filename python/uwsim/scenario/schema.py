@@ -13,26 +13,22 @@ from pydantic import TypeAdapter
 from pydantic.json_schema import GenerateJsonSchema, JsonSchemaValue
 from pydantic_core import core_schema
 
-from uwsim.base.did_you_mean import did_you_mean
+from uwsim.base.named import did_you_mean
 from uwsim.scenario.read.assets import assets_folder
-from uwsim.scenario.spec.actuator import ThrusterType
-from uwsim.scenario.spec.battery import BatteryType
+from uwsim.scenario.spec.actuator import Control, ThrusterType
+from uwsim.scenario.spec.battery import BatteryType, Failsafe
 from uwsim.scenario.spec.camera import CameraMount
-from uwsim.scenario.spec.control import Control
-from uwsim.scenario.spec.cover import CoverSpec
-from uwsim.scenario.spec.failsafe import Failsafe
+from uwsim.scenario.spec.cover import CoverSpec, LifeSpec
 from uwsim.scenario.spec.fault import FaultSpec
 from uwsim.scenario.spec.imaging_sonar import ImagingMount
-from uwsim.scenario.spec.life import LifeSpec
-from uwsim.scenario.spec.link import LinkSetup
-from uwsim.scenario.spec.modem import ModemModel
+from uwsim.scenario.spec.link import LinkSetup, ModemModel
 from uwsim.scenario.spec.obstacle import ObstacleSpec
 from uwsim.scenario.spec.optics import Optics
 from uwsim.scenario.spec.prop import Prop
 from uwsim.scenario.spec.scenario import Scenario
 from uwsim.scenario.spec.sensor import SensorMount, SensorSet
+from uwsim.scenario.spec.settings import Station
 from uwsim.scenario.spec.sonar import SonarModel
-from uwsim.scenario.spec.station import Station
 from uwsim.scenario.spec.survey import Survey
 from uwsim.scenario.spec.terrain import TerrainSpec
 from uwsim.scenario.spec.vehicle import VehicleModel

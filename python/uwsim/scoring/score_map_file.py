@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 from rich.table import Table
 
+from uwsim.base.arrays import Floats
 from uwsim.mapping.files import CLOUD_FORMATS, read_cloud
 from uwsim.mapping.files.formats import Origin
 from uwsim.mapping.files.map_files import open_map
@@ -18,8 +18,6 @@ from uwsim.scoring.map_score import MapScore, score_map
 from uwsim.scoring.score_json import score_values, write_json
 from uwsim.scoring.score_text import order_rows, score_rows
 from uwsim.scoring.survey_track import TRACK, SurveyTrack
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,7 +86,7 @@ def write_score_json(path: Path, scored: ScoredMap) -> None:
     write_json(path, score_values(scored.score, path_known=scored.path_known))
 
 
-def _read_track(path: Path, scenario: Scenario, area_world_m: Array) -> SurveyTrack:
+def _read_track(path: Path, scenario: Scenario, area_world_m: Floats) -> SurveyTrack:
     if path.suffix.lower() not in CLOUD_FORMATS:
         track = SurveyTrack.read(path)
         if track.scenario_name not in ("", scenario.name):
@@ -97,14 +95,14 @@ def _read_track(path: Path, scenario: Scenario, area_world_m: Array) -> SurveyTr
     return replace(_track_without_path(scenario, area_world_m), path_world_m=read_cloud(path))
 
 
-def _track_without_path(scenario: Scenario, area_world_m: Array) -> SurveyTrack:
+def _track_without_path(scenario: Scenario, area_world_m: Floats) -> SurveyTrack:
     """Return a track with an empty path, and the range of the scenario's sonar."""
     sonar = scenario.vehicles[0].sonar
     range_max_m = multibeam_model(sonar.loaded, sonar.frequency_hz).range_limit_m
     return SurveyTrack(np.empty((0, 3)), area_world_m, range_max_m)
 
 
-def _area_m(scenario: Scenario, occupied_m: Array) -> Array:
+def _area_m(scenario: Scenario, occupied_m: Floats) -> Floats:
     """Return the polygon (k, 2) of the scenario's survey or, if it has none, the box of the occupied voxels (n, 3)."""
     if scenario.survey is not None:
         return np.asarray(scenario.survey.area_m, np.float64)
@@ -113,7 +111,7 @@ def _area_m(scenario: Scenario, occupied_m: Array) -> Array:
     return _corners_m(*occupied_m[:, :2].min(axis=0), *occupied_m[:, :2].max(axis=0))
 
 
-def _corners_m(west_m: float, south_m: float, east_m: float, north_m: float) -> Array:
+def _corners_m(west_m: float, south_m: float, east_m: float, north_m: float) -> Floats:
     if not (west_m < east_m and south_m < north_m):
         raise ValueError(
             f"area = {west_m:g} {south_m:g} {east_m:g} {north_m:g} m: west must be less than east, south than north"

@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim import _core
+from uwsim.base.arrays import Floats
 from uwsim.mapping.ranging import CONFIDENCE as VERTICAL_95
 from uwsim.mapping.ranging import HORIZONTAL_CONFIDENCE as HORIZONTAL_95
 from uwsim.scoring.s44 import CONFIDENCE, ORDERS, Order
 from uwsim.scoring.true_surface import TERRAIN_LABEL
 
-Array = NDArray[np.float64]
 MARGIN_M = 1.0  # rays start this far above the world's highest point
 
 
@@ -31,7 +31,7 @@ class SoundingQuality:
         self.count = self.stated = self._kept = 0
         self._by_tpu, self._by_truth = np.zeros(len(ORDERS), np.int64), np.zeros(len(ORDERS), np.int64)
 
-    def add(self, soundings_world_m: Array, vertical_m: Array, horizontal_m: Array) -> None:
+    def add(self, soundings_world_m: Floats, vertical_m: Floats, horizontal_m: Floats) -> None:
         """Count a ping: soundings (n, 3), and their standard deviations (n,), nan or 0 where unknown."""
         seen = np.isfinite(soundings_world_m).all(axis=1)
         points, vertical, horizontal = soundings_world_m[seen], vertical_m[seen], horizontal_m[seen]
@@ -49,7 +49,7 @@ class SoundingQuality:
             self._by_truth[k] += int((error <= allowed_m).sum())
             self._by_tpu[k] += int((known & (tvu <= allowed_m) & (thu <= order.thu_m(depth))).sum())
 
-    def _is_terrain(self, points: Array) -> NDArray[np.bool_]:
+    def _is_terrain(self, points: Floats) -> NDArray[np.bool_]:
         origins = np.column_stack([points[:, :2], np.full(len(points), self._top_m)])
         down = np.broadcast_to([0.0, 0.0, -1.0], origins.shape)
         reach_m = self._top_m - min(0.0, float(self._world.lowest_m)) + MARGIN_M

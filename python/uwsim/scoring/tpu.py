@@ -28,14 +28,13 @@ from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-from uwsim.base.named_numbers import named_numbers
+from uwsim.base.arrays import Floats
+from uwsim.base.options import named_numbers
 
 if TYPE_CHECKING:
     from uwsim.mapping.files.swath import Swath
 
-Array = NDArray[np.float64]
 STEEPEST = math.tan(math.radians(85.0))
 LIMITS = {
     "roll": (0.0, 10.0, "deg"), "pitch": (0.0, 10.0, "deg"), "heading": (0.0, 45.0, "deg"), "mount": (0.0, 10.0, "deg"),
@@ -74,7 +73,7 @@ class Uncertainties:
         return ", ".join(f"{name} {value:g} {unit}" for name, value, unit in found if value)
 
 
-def deviations(swath: Swath, known: Uncertainties, pose: Array | None = None) -> tuple[Array, Array]:
+def deviations(swath: Swath, known: Uncertainties, pose: Floats | None = None) -> tuple[Floats, Floats]:
     """Return the vertical and horizontal standard deviation of each sounding, (n,), nan without detection.
 
     pose: covariance (6, 6) of the reference point's place [m] and of a rotation [rad], in the swath's level axes, from
@@ -88,7 +87,7 @@ def deviations(swath: Swath, known: Uncertainties, pose: Array | None = None) ->
     return np.where(seen, np.sqrt(covariance[:, 2, 2]), np.nan), np.where(seen, np.sqrt(largest), np.nan)
 
 
-def _covariance(swath: Swath, known: Uncertainties, pose: Array | None) -> Array:
+def _covariance(swath: Swath, known: Uncertainties, pose: Floats | None) -> Floats:
     """Return the covariance (n, 3, 3) of each sounding, forward, starboard and down."""
     seen = swath.is_detected
     v = np.where(seen[:, None], swath.sounding_m - [0.0, 0.0, swath.reference_depth_m], 0.0)
@@ -106,7 +105,7 @@ def _covariance(swath: Swath, known: Uncertainties, pose: Array | None) -> Array
     return np.asarray(covariance, np.float64)
 
 
-def _of_vehicle(swath: Swath, known: Uncertainties, v: Array) -> Array:
+def _of_vehicle(swath: Swath, known: Uncertainties, v: Floats) -> Floats:
     """Return how far attitude and latency move each sounding, (terms, n, 3)."""
     pitch = swath.pitch_rad
     axes = np.array([[math.cos(pitch), 0.0, -math.sin(pitch)], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
@@ -117,7 +116,7 @@ def _of_vehicle(swath: Swath, known: Uncertainties, v: Array) -> Array:
     return np.stack([size * each for size, each in zip(sizes, [*turns, np.tile(velocity, (len(v), 1))], strict=True)])
 
 
-def _of_sound(swath: Swath, known: Uncertainties, w: Array) -> Array:
+def _of_sound(swath: Swath, known: Uncertainties, w: Floats) -> Floats:
     """Return how far the sounder itself and the speed of sound move each sounding, (terms, n, 3)."""
     across_m, down_m = np.hypot(w[:, 0], w[:, 1]), w[:, 2]
     level = np.where(across_m[:, None] > 1e-9, w[:, :2] / np.maximum(across_m, 1e-9)[:, None], [0.0, 1.0])

@@ -6,10 +6,10 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from uwsim import _core
 from uwsim.base.arguments import read_only
+from uwsim.base.arrays import Floats
 from uwsim.base.quaternions import turned
 from uwsim.base.short_repr import ShortRepr
 from uwsim.instruments.errors import Errors
@@ -17,7 +17,6 @@ from uwsim.scenario.spec.arm import JointErrors, Link
 from uwsim.simulator.arm_hand import hand, jaws, motors_to
 from uwsim.simulator.push import six_numbers
 
-Floats = NDArray[np.float64]
 ByName = Mapping[str, float]
 
 PRESSING = 0.95  # share of a motor's torque from which it is taken to press

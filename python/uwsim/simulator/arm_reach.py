@@ -13,9 +13,9 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from uwsim import _core
+from uwsim.base.arrays import Floats
 
 ARRIVED_M, ARRIVED_RAD = 1e-3, math.radians(1.0)
 ARM_M = 0.1  # by which an error of direction counts as one of position
@@ -25,8 +25,6 @@ NEAR = 0.1  # rad or m: a way that no other is worth being compared with
 ITERATIONS = 100
 DAMPING_M = 0.01  # of speeds: a joint that moves the tool less than this per radian hardly turns for it
 AT_STOP = 1e-3  # rad or m: nearer to a stop, a joint does not move towards it
-
-Floats = NDArray[np.float64]
 
 
 class Aim(NamedTuple):

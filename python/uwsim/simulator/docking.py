@@ -6,12 +6,11 @@ import math
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
 from uwsim import _core
+from uwsim.base.arrays import Floats
 from uwsim.base.quaternions import about_z
 
-Vector = NDArray[np.float64]
 CAPTURE_M, CAPTURE_M_S, CAPTURE_DEG = 1.5, 0.5, 30.0
 """The largest distance, speed and heading error at which a vehicle can dock."""
 CLEARANCE_M = 0.1
@@ -33,19 +32,19 @@ class Dock:
 
     simulation: _core.Simulation
     scene: _core.RayScene
-    docked_m: Vector
-    exit_m: Vector
+    docked_m: Floats
+    exit_m: Floats
     heading_rad: float
     carrier: int | None = None
     hull_radii_m: list[float] = field(default_factory=list)
 
     @property
-    def position_world_m(self) -> Vector:
+    def position_world_m(self) -> Floats:
         """Return the origin (3,) of a docked vehicle now."""
         return self._in_world(self.docked_m)
 
     @property
-    def exit_world_m(self) -> Vector:
+    def exit_world_m(self) -> Floats:
         """Return the origin (3,) of a vehicle that undocks now."""
         return self._in_world(self.exit_m)
 
@@ -57,7 +56,7 @@ class Dock:
         ahead = self.simulation.state(self.carrier).world_from_body[:3, 0]
         return math.atan2(ahead[1], ahead[0]) + self.heading_rad
 
-    def _in_world(self, point_m: Vector) -> Vector:
+    def _in_world(self, point_m: Floats) -> Floats:
         if self.carrier is None:
             return point_m
         world_from_body = self.simulation.state(self.carrier).world_from_body
@@ -72,7 +71,7 @@ class Dock:
         return float(np.linalg.norm(own - of_boat))
 
     @property
-    def orientation_xyzw(self) -> Vector:
+    def orientation_xyzw(self) -> Floats:
         """Return the orientation (4,) of a vehicle in the dock and at the exit."""
         return about_z(self.yaw_rad)
 

@@ -10,7 +10,7 @@ from uwsim import _core
 from uwsim.base.journal import Journal
 from uwsim.base.sealed import Attached
 from uwsim.scenario.build.loose_bodies import leaving_along
-from uwsim.scenario.spec.dropper import Dropper as DropperModel
+from uwsim.scenario.spec.arm import Dropper as DropperModel
 from uwsim.scenario.spec.loose_body import LooseBody
 
 

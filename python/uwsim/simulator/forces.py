@@ -5,13 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from uwsim.base.arguments import read_only
+from uwsim.base.arrays import Floats
 from uwsim.base.named import Named
 from uwsim.base.short_repr import ShortRepr
 
-Vector = NDArray[np.float64]
 TOTAL = "total"
 
 
@@ -19,11 +18,11 @@ TOTAL = "total"
 class Wrench(ShortRepr):
     """A force and a torque about the body's origin, in body axes: force_body_n (3,), torque_body_nm (3,)."""
 
-    force_body_n: Vector
-    torque_body_nm: Vector
+    force_body_n: Floats
+    torque_body_nm: Floats
 
 
-def forces_by_name(terms: list[tuple[str, Vector]], owner: str) -> Named[Wrench]:
+def forces_by_name(terms: list[tuple[str, Floats]], owner: str) -> Named[Wrench]:
     """Return the native terms, each (6,), as wrenches by name, and their sum as `total`."""
     values = dict(terms)
     values[TOTAL] = np.sum(list(values.values()), axis=0)

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import NoReturn
 
 from uwsim import _core
+from uwsim.base.arrays import Floats
 from uwsim.base.journal import Journal
 from uwsim.base.motion import Pose, Velocity
 from uwsim.base.named import Named
@@ -13,7 +14,7 @@ from uwsim.scenario.build.arm import link_specs
 from uwsim.scenario.spec.scenario import Scenario
 from uwsim.simulator.arm import Arm
 from uwsim.simulator.forces import Wrench, forces_by_name
-from uwsim.simulator.push import Vector, push
+from uwsim.simulator.push import push
 from uwsim.simulator.tether import Tether
 from uwsim.simulator.wet_triangles import WetTriangles
 
@@ -77,8 +78,8 @@ class LooseBody:
 
     def apply_wrench(
         self,
-        force_n: Sequence[float] | Vector,
-        torque_nm: Sequence[float] | Vector = (0.0, 0.0, 0.0),
+        force_n: Sequence[float] | Floats,
+        torque_nm: Sequence[float] | Floats = (0.0, 0.0, 0.0),
         axes: str = "body",
         duration_s: float | None = None,
     ) -> None:

@@ -6,16 +6,14 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwsim.base.arrays import Floats
 from uwsim.scenario.build.arm import all_shaped_links, link_mesh
 from uwsim.scenario.build.loose_bodies import object_mesh
 from uwsim.scenario.read.mesh_file import Triangles, Vertices
 from uwsim.scenario.spec.obstacle import ObstacleModel
 from uwsim.scenario.spec.scenario import Scenario
 from uwsim.simulator.simulator import Simulator
-
-Vector = NDArray[np.float64]
 
 
 class MovingShape(NamedTuple):
@@ -39,7 +37,7 @@ def moving_shapes(scenario: Scenario) -> list[MovingShape]:
     ]
 
 
-def shape_poses(sim: Simulator) -> Vector:
+def shape_poses(sim: Simulator) -> Floats:
     """Return where `moving_shapes` are now, (n, 7): position [m] and quaternion x, y, z, w in the world."""
     poses = (body.pose for body in sim.objects.values())
     loose = [np.concatenate([pose.position_world_m, pose.orientation_xyzw]) for pose in poses]

@@ -6,11 +6,11 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 from uwsim import _core
-from uwsim.base.did_you_mean import did_you_mean
 from uwsim.base.journal import Journal
+from uwsim.base.named import did_you_mean
 from uwsim.scenario import Scenario
-from uwsim.scenario.build.link import link_spec
-from uwsim.scenario.spec.modem import ModemModel
+from uwsim.scenario.build.station import link_spec
+from uwsim.scenario.spec.link import ModemModel
 
 STATION = "station"
 PAYLOAD_BYTES_MAX = 1_000_000

@@ -13,8 +13,7 @@ from uwsim.base.sealed import Attached
 from uwsim.instruments.sonars.multibeam import Sonar, ping_together
 from uwsim.instruments.sonars.surroundings import Surroundings
 from uwsim.scenario import Scenario
-from uwsim.scenario.build.labels import backscatter_by_label, label_names
-from uwsim.scenario.build.multibeam import bottom_material
+from uwsim.scenario.build.multibeam import backscatter_by_label, bottom_material, label_names
 from uwsim.scenario.build.station import carrier_index
 from uwsim.scenario.spec.optics import Optics, OpticsChanges
 from uwsim.simulator.network import Network

@@ -7,25 +7,24 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from uwsim.base.arguments import number
+from uwsim.base.arrays import Floats
 
-Vector = NDArray[np.float64]
 AXES_OF_WRENCHES = ("body", "world")
 
 
 class Push(NamedTuple):
     """The core's arguments, wrench (6,) [N, N m], and those of the command as the journal keeps them."""
 
-    wrench: Vector
+    wrench: Floats
     in_world_axes: bool
     duration_s: float
     noted: dict[str, Any]
 
 
 def push(
-    force_n: Sequence[float] | Vector, torque_nm: Sequence[float] | Vector, axes: str, duration_s: float | None
+    force_n: Sequence[float] | Floats, torque_nm: Sequence[float] | Floats, axes: str, duration_s: float | None
 ) -> Push:
     """Check a push. Raises ValueError, naming the argument."""
     parts = six_numbers(force_n=(force_n, "N"), torque_nm=(torque_nm, "N m"))
@@ -36,7 +35,7 @@ def push(
     return Push(np.array(parts), axes == "world", math.inf if duration is None else duration, noted)
 
 
-def six_numbers(**parts: tuple[Sequence[float] | Vector, str]) -> list[float]:
+def six_numbers(**parts: tuple[Sequence[float] | Floats, str]) -> list[float]:
     """Return the numbers of a force and a torque, each (3,) with its unit. Raises ValueError, naming the number."""
     found: list[float] = []
     for name, (part, unit) in parts.items():

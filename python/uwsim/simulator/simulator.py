@@ -27,19 +27,17 @@ from uwsim.instruments.sonars.imaging import Acoustics
 from uwsim.instruments.sonars.mounted import imaging_models, imaging_sonars
 from uwsim.mapping.ping_to_map import PingToMap
 from uwsim.scenario import AnyScenario, Scenario, VehicleEntry, VehicleModel, build_world, load
-from uwsim.scenario.build.cast import temperature_is_known
-from uwsim.scenario.build.control import ControlSettings
+from uwsim.scenario.build.craft import ControlSettings
 from uwsim.scenario.build.hull import hull_radius_m
 from uwsim.scenario.build.loose_bodies import object_specs
-from uwsim.scenario.build.ping_chain import ping_chain
-from uwsim.scenario.build.short_waves import ShortWavesWarning, short_wave_warning
-from uwsim.scenario.build.simulation import simulation_spec
-from uwsim.scenario.build.station import carrier_index, dock_position, exit_position
-from uwsim.scenario.build.tether import add_tethers
+from uwsim.scenario.build.measured_water import temperature_is_known
+from uwsim.scenario.build.multibeam import ping_chain
+from uwsim.scenario.build.station import add_tethers, carrier_index, dock_position, exit_position
 from uwsim.scenario.build.vehicle import vehicle_control, vehicle_errors_at, vehicle_spec
-from uwsim.scenario.build.world import beyond_terrain, fill_with_water, scenario_water
+from uwsim.scenario.build.wind import ShortWavesWarning, short_wave_warning
+from uwsim.scenario.build.world import beyond_terrain, fill_with_water, scenario_water, simulation_spec
 from uwsim.scenario.fingerprint import build_fingerprint, scenario_fingerprint, warn_of_other_build
-from uwsim.scenario.read.collected import Collected
+from uwsim.scenario.read.errors import Collected
 from uwsim.simulator.arm import sensed
 from uwsim.simulator.docking import Dock
 from uwsim.simulator.failures import Aboard, EventLog, Faults

@@ -8,8 +8,8 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim.scenario.build.bubbles import plume_names
-from uwsim.scenario.spec.bubble_plume import BUBBLES
+from uwsim.scenario.build.cover import plume_names
+from uwsim.scenario.spec.obstacle import BUBBLES
 from uwsim.simulator.simulator import Simulator
 
 MOST = 1000

@@ -10,11 +10,10 @@ from numpy.typing import NDArray
 
 from uwsim import _core
 from uwsim.base.arguments import number, read_only
+from uwsim.base.arrays import Floats
 from uwsim.base.short_repr import ShortRepr
 from uwsim.scenario.spec.scenario import Scenario
 from uwsim.simulator.tether_turns import turns, upright_axes
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, repr=False)

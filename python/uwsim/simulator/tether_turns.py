@@ -6,13 +6,12 @@ import math
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwsim.base.arrays import Floats
 from uwsim.scenario.obstacles.cylinder import Cylinder
 from uwsim.scenario.obstacles.gate import Gate
 from uwsim.scenario.spec.scenario import Scenario
 
-Floats = NDArray[np.float64]
 MOST_TILT_DEG = 20.0
 
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from uwsim import _core
 from uwsim.base.arguments import read_only
+from uwsim.base.arrays import Floats
 from uwsim.base.axes import AXES
 from uwsim.base.journal import Journal
 from uwsim.base.motion import Pose, Velocity
@@ -20,12 +21,12 @@ from uwsim.instruments.sensors import Sensor, Sensors
 from uwsim.instruments.sonars.imaging import Acoustics
 from uwsim.instruments.sonars.mounted import ImagingSonar
 from uwsim.instruments.sonars.multibeam import ChainOf, Sonar
-from uwsim.scenario.build.control import ControlSettings, floating_text
+from uwsim.scenario.build.craft import ControlSettings, floating_text
 from uwsim.scenario.build.loose_bodies import HELD
 from uwsim.scenario.build.vehicle import authority
-from uwsim.scenario.spec.dropper import Dropper as DropperModel
-from uwsim.scenario.spec.hydrophones import HydrophoneArray
+from uwsim.scenario.spec.arm import Dropper as DropperModel
 from uwsim.scenario.spec.loose_body import LooseBody
+from uwsim.scenario.spec.pinger import HydrophoneArray
 from uwsim.scenario.spec.sensor import SensorMount
 from uwsim.scenario.spec.vehicle_entry import VehicleEntry
 from uwsim.simulator.arm import Arm, Sensed
@@ -37,7 +38,7 @@ from uwsim.simulator.onboard_navigation import ALIGNMENT_STD_M, ALIGNMENT_STD_M_
 from uwsim.simulator.programs import FailsafeLike, HoldsLike
 from uwsim.simulator.tether import Tether
 from uwsim.simulator.thruster import Thruster
-from uwsim.simulator.vehicle_commands import CommandedVehicle, Vector
+from uwsim.simulator.vehicle_commands import CommandedVehicle
 from uwsim.simulator.wet_triangles import WetTriangles
 
 if TYPE_CHECKING:
@@ -211,7 +212,7 @@ class Vehicle(CommandedVehicle):
         return self._beyond_terrain(x_m, y_m, z_m)
 
     @property
-    def authority(self) -> Vector:
+    def authority(self) -> Floats:
         """The acceleration (6,) from rest at full effort on each axis alone, deep in still water [m/s2, rad/s2].
 
         Computed from the smaller of the ahead and astern wrenches, and the total mass, including added mass.
@@ -229,7 +230,7 @@ class Vehicle(CommandedVehicle):
         return self.helm.holds
 
     @property
-    def effort(self) -> Vector:
+    def effort(self) -> Floats:
         """The last efforts set, (6,): surge, sway, heave, roll, pitch, yaw; zero after set_wrench or set_thrusters."""
         return read_only(self._simulation.effort(self._index))
 
@@ -240,7 +241,7 @@ class Vehicle(CommandedVehicle):
         return frozenset(axis for axis, is_driven in zip(AXES, driven, strict=True) if is_driven)
 
     @property
-    def full_wrench_body(self) -> tuple[Vector, Vector]:
+    def full_wrench_body(self) -> tuple[Floats, Floats]:
         """The largest wrenches on each axis alone, ahead and astern, in still water: (6,) magnitudes, N and N m."""
         ahead, astern = self._simulation.full_wrench_body(self._index)
         return read_only(ahead), read_only(astern)

@@ -7,10 +7,10 @@ from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from uwsim import _core
 from uwsim.base.arguments import number, numbers_by_name
+from uwsim.base.arrays import Floats
 from uwsim.base.axes import AXES
 from uwsim.base.commands import Placeable, command_named
 from uwsim.base.journal import EFFORT, Journal
@@ -21,7 +21,6 @@ from uwsim.simulator.helm import Helm, Reason, Source
 from uwsim.simulator.push import push, six_numbers
 from uwsim.simulator.tether import Tether
 
-Vector = NDArray[np.float64]
 PLAIN = {float}
 
 
@@ -92,7 +91,7 @@ class CommandedVehicle(Attached, Placeable):
             self.helm.warn_of_idle(commanded, [axis for k, axis in enumerate(AXES) if k not in self._idle_axes])
 
     def set_wrench(
-        self, force_body_n: Sequence[float] | Vector, torque_body_nm: Sequence[float] | Vector = (0.0, 0.0, 0.0)
+        self, force_body_n: Sequence[float] | Floats, torque_body_nm: Sequence[float] | Floats = (0.0, 0.0, 0.0)
     ) -> None:
         """Command the total thruster force (3,) and torque (3,) about the origin, in body axes and for still water.
 
@@ -190,9 +189,9 @@ class CommandedVehicle(Attached, Placeable):
 
     def place(
         self,
-        position_world_m: Sequence[float] | Vector,
-        orientation_xyzw: Sequence[float] | Vector = (0.0, 0.0, 0.0, 1.0),
-        velocity_body: Sequence[float] | Vector = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
+        position_world_m: Sequence[float] | Floats,
+        orientation_xyzw: Sequence[float] | Floats = (0.0, 0.0, 0.0, 1.0),
+        velocity_body: Sequence[float] | Floats = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
     ) -> None:
         """Place the vehicle at a pose, at rest unless velocity_body (6,) is set; a docked vehicle is released.
 
@@ -254,8 +253,8 @@ class CommandedVehicle(Attached, Placeable):
 
     def apply_wrench(
         self,
-        force_n: Sequence[float] | Vector,
-        torque_nm: Sequence[float] | Vector = (0.0, 0.0, 0.0),
+        force_n: Sequence[float] | Floats,
+        torque_nm: Sequence[float] | Floats = (0.0, 0.0, 0.0),
         axes: str = "body",
         duration_s: float | None = None,
     ) -> None:

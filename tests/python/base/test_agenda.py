@@ -15,7 +15,7 @@ from uwsim.channels import Table
 from uwsim.link import Carrier
 from uwsim.live import LiveSimulator
 from uwsim.scenario import Scenario, load
-from uwsim.scenario.spec.failsafe import Failsafe as FailsafeSpec
+from uwsim.scenario.spec.battery import Failsafe as FailsafeSpec
 from uwsim.simulator.failures import Failsafe, Faults
 from waiting import until
 

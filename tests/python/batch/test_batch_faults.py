@@ -10,7 +10,7 @@ import pytest
 
 from uwsim import Batch, Scenario, Simulator
 from uwsim.scenario import load
-from uwsim.scenario.spec.failsafe import Failsafe
+from uwsim.scenario.spec.battery import Failsafe
 from uwsim.simulator.helm import FailsafeWarning
 
 N = 3

@@ -15,7 +15,7 @@ from uwsim.bridges.ardusub.ardusub import ArduSub, SilentAutopilotError, prepare
 from uwsim.live import LiveSimulator
 from uwsim.live.command_log import replay as replay_log
 from uwsim.recording import Recorder, Recording
-from uwsim.recording.joined_frames import JoinedFrames
+from uwsim.recording.commands import JoinedFrames
 from uwsim.recording.messages import Recorded
 from uwsim.recording.real_flights.frames import frame_of, servo_motors
 from uwsim.recording.replay import replay

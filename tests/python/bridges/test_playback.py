@@ -16,7 +16,7 @@ from uwsim.bridges.playback.playback import play
 from uwsim.bridges.requested import PlayedBridges
 from uwsim.bridges.ros2 import Ros2Settings
 from uwsim.recording import Recorder
-from uwsim.recording.pacer import Pacer
+from uwsim.recording.replay import Pacer
 
 TOPICS = ("odom", "scan", "laserPointCloud", "tf_static", "sonar_ping", "clock", "telemetry")
 

@@ -17,7 +17,7 @@ from uwsim.channels.ros.build import message
 from uwsim.channels.ros.message_types import ros1_typestore
 from uwsim.channels.ros.messages import to_bytes
 from uwsim.recording import Recorder
-from uwsim.recording.live_map import live_map
+from uwsim.recording.survey_from import live_map
 from uwsim.simulator.helm import STOPPED
 
 NODE = ("--ros1", "--port", "0")

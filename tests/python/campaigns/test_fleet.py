@@ -14,7 +14,7 @@ from uwsim.campaigns.fleet.tile_job import TileJob, start_above
 from uwsim.campaigns.fleet.tiles import Grid, grid_over, tiles_of
 from uwsim.mapping import OccupancyMap
 from uwsim.scenario import ScenarioError, build_terrain, load
-from uwsim.scenario.spec.polygon import area
+from uwsim.scenario.spec.survey import area
 from uwsim.scoring.map_score import score_map
 
 SQUARE = ((0.0, 0.0), (100.0, 0.0), (100.0, 60.0), (0.0, 60.0))

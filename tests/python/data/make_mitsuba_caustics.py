@@ -14,8 +14,8 @@ from pathlib import Path
 import drjit as dr
 import mitsuba as mi
 import numpy as np
-from numpy.typing import NDArray
 
+from uwsim.base.arrays import Floats
 from uwsim.evidence.validate.peers.focused_light import (
     CASES,
     CELL_M,
@@ -29,7 +29,6 @@ from uwsim.evidence.validate.peers.focused_light import (
 
 mi.set_variant("llvm_ad_rgb")
 
-Floats = NDArray[np.float64]
 BATCHES, RAYS = 8, 1 << 21
 FINE = 4  # vertices of the surface per cell of the ripples, along each axis
 ABOVE_M = 3.0  # where rays start, above the mean surface

@@ -14,7 +14,7 @@ from uwsim.recording.real_flights.deep_water import STEP_S, in_deep_water, start
 from uwsim.recording.real_flights.motion import MotionLog, motion_of
 from uwsim.recording.real_flights.read import read_flight
 from uwsim.scenario import VehicleModel, load_vehicle
-from uwsim.scenario.build.afloat import floating_height_m, is_boat, volume_below_m3
+from uwsim.scenario.build.hull import floating_height_m, is_boat, volume_below_m3
 from uwsim.simulator.simulator import Simulator
 
 SEA_KG_M3, EVERY = 1025.0, 20

@@ -25,7 +25,7 @@ from uwsim.exchange.logs.motion_log import read_mapping
 from uwsim.recording import Recorder
 from uwsim.recording.real_flights.motion import sampled
 from uwsim.scenario import VehicleModel, load_vehicle
-from uwsim.scenario.build.completed import completed
+from uwsim.scenario.build.vehicle import completed
 from uwsim.scenario.read.assets import assets_folder
 
 NOISE = np.repeat((0.02, 0.005, 0.01, 0.005), 3)

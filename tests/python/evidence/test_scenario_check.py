@@ -15,8 +15,8 @@ from uwsim.scenario import load_vehicle, packaged_scenarios
 from uwsim.scenario.build import world
 from uwsim.scenario.new import new_scenario
 from uwsim.scenario.read.assets import assets_folder, packaged_names
-from uwsim.scenario.read.collected import Collected
-from uwsim.scenario.read.yaml_file import read_yaml
+from uwsim.scenario.read.errors import Collected
+from uwsim.scenario.read.spec_file import read_yaml
 from uwsim.scenario.schema import schema
 
 COVE = (assets_folder() / "scenarios" / "cove.yaml").read_text()

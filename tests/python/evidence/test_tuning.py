@@ -11,7 +11,7 @@ from command_line import uwsim
 from uwsim.cli.program import app
 from uwsim.evidence import tuning
 from uwsim.scenario import load_vehicle
-from uwsim.scenario.spec.control import Control
+from uwsim.scenario.spec.actuator import Control
 
 
 @pytest.fixture(scope="module")

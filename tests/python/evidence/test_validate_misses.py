@@ -22,7 +22,7 @@ from uwsim.evidence.validate.step_responses import step_responses
 from uwsim.instruments.sonars.imaging import ForwardLooking, SideScan
 from uwsim.scenario import VehicleModel, load_vehicle
 from uwsim.scenario.dump import plain
-from uwsim.scenario.spec.control import Control
+from uwsim.scenario.spec.actuator import Control
 from uwsim.scenario.spec.optics import Optics
 
 HEAVY, REMUS = "bluerov2_heavy", "remus100"

@@ -19,9 +19,9 @@ from uwsim.evidence.vehicle.trials import straight_run
 from uwsim.evidence.vehicle.views import fields_of_view
 from uwsim.exchange.hulls.hull_drag import ACROSS
 from uwsim.scenario import load_vehicle
-from uwsim.scenario.build.potential_flow import added_mass_of_ellipsoid, simplified
+from uwsim.scenario.build.hydrodynamics import added_mass_of_ellipsoid, simplified
 from uwsim.scenario.read.spec_file import read_spec
-from uwsim.scenario.spec.control import Control
+from uwsim.scenario.spec.actuator import Control
 from vehicle_files import vehicle_file
 
 WATER_KG_M3, GRAVITY_M_S2 = 1000.0, 9.80665

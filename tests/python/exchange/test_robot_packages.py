@@ -12,7 +12,7 @@ from uwsim.exchange.robots.checkout import package_folder
 from uwsim.exchange.robots.robot import Found, Given
 from uwsim.exchange.robots.sdf import read_sdf
 from uwsim.exchange.robots.urdf import read_urdf
-from uwsim.missions.lawn_mower_needs import ALTIMETER, SONAR, missing_for_lanes
+from uwsim.missions.lawn_mower_plan import ALTIMETER, SONAR, missing_for_lanes
 
 pytestmark = pytest.mark.usefixtures("panels_left_out")
 

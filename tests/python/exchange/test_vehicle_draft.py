@@ -21,7 +21,7 @@ from uwsim.evidence.scenario_check import check_part
 from uwsim.evidence.validate.flights import deep_scenario
 from uwsim.exchange.hulls.draft import drafted, written
 from uwsim.scenario import VehicleModel, load_vehicle
-from uwsim.scenario.build.potential_flow import added_mass_of_ellipsoid
+from uwsim.scenario.build.hydrodynamics import added_mass_of_ellipsoid
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.read.mesh_file import Forward, Up
 from vehicle_files import box_mesh, scenario_file

@@ -16,8 +16,7 @@ from uwsim.base.plain_figure import PlainFigure
 from uwsim.campaigns.sweeps.figures import draw_distributions, draw_effects, draw_sensitivity
 from uwsim.campaigns.sweeps.rows import Rows
 from uwsim.campaigns.sweeps.sensitivity import Sensitivity
-from uwsim.figures.comparison import draw_comparison
-from uwsim.figures.divergence import draw_divergence
+from uwsim.figures.comparison import draw_comparison, draw_divergence
 from uwsim.figures.exercise import draw_errors, draw_exercise_track
 from uwsim.figures.flight import draw_power, draw_track
 from uwsim.figures.map_difference import draw_map_difference

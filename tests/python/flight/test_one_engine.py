@@ -14,13 +14,13 @@ from uwsim.cli.autopilots import Autopilots
 from uwsim.cli.flags import expanded
 from uwsim.cli.run import run
 from uwsim.cli.survey import survey
-from uwsim.flight.elsewhere import Elsewhere
+from uwsim.flight.attachment import Elsewhere
+from uwsim.flight.coverage import scored_area_m
 from uwsim.flight.fly import fly
 from uwsim.flight.flyable_lanes import survey_plan
+from uwsim.flight.pinging import ping_steps
 from uwsim.flight.record import BATTERY_EMPTY, DONE
-from uwsim.flight.scored_area import scored_area_m
 from uwsim.flight.survey import fly_survey
-from uwsim.flight.vehicle_chain import ping_steps
 from uwsim.missions import AdaptiveLawnMower, mow, wait
 from uwsim.scenario import load
 

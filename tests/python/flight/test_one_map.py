@@ -17,8 +17,8 @@ from uwsim.bridges.remote.sonar import RemotePing
 from uwsim.channels import Table
 from uwsim.channels.families.map import binary
 from uwsim.channels.families.pings import TakenPing
+from uwsim.flight.pinging import chain_of, filters_outliers
 from uwsim.flight.survey import fly_survey
-from uwsim.flight.vehicle_chain import chain_of, filters_outliers
 from uwsim.link.ashore import placed_points
 from uwsim.live import LiveSimulator
 from uwsim.mapping import OccupancyMap, ranging
@@ -28,9 +28,8 @@ from uwsim.missions.own_vehicle import OwnVehicle
 from uwsim.missions.planners.cells import Cells
 from uwsim.missions.planners.live_map import LiveMap
 from uwsim.missions.planners.wayfinder import Wayfinder
-from uwsim.recording.live_map import live_map
 from uwsim.recording.pings import recorded_pings
-from uwsim.recording.survey_from import survey_from
+from uwsim.recording.survey_from import live_map, survey_from
 from uwsim.scenario import Scenario, ScenarioError, load
 from uwsim.scenario.read.validated import validated
 from uwsim.simulator.simulator import Simulator

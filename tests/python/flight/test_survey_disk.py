@@ -6,7 +6,7 @@ import pytest
 
 from command_line import files_limited_to, uwsim_process
 from uwsim.flight import results
-from uwsim.flight.autosave import FlightAutosave
+from uwsim.flight.clock import FlightAutosave
 from uwsim.flight.engine import Flight
 from uwsim.flight.fly import fly
 from uwsim.flight.record import DONE

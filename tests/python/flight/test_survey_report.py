@@ -13,10 +13,9 @@ from rich.console import Console
 
 from uwsim import _core
 from uwsim.figures import truth_and_map
-from uwsim.flight.ping_log import PingSample
+from uwsim.flight.log import PingSample
 from uwsim.flight.record import FlightRecord
-from uwsim.flight.report import write_page
-from uwsim.flight.report_figures import map_figures
+from uwsim.flight.report import map_figures, write_page
 from uwsim.flight.samples import COLUMNS, Samples
 from uwsim.flight.summary import coverage_shortfall, key_figures, summary_table, warning_rows
 from uwsim.mapping import OccupancyMap

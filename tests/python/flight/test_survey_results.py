@@ -11,7 +11,7 @@ import pytest
 import uwsim
 from command_line import uwsim as run_uwsim
 from uwsim import Simulator
-from uwsim.flight.map_growth import FIRST_S, growth_row
+from uwsim.flight.coverage import FIRST_S, growth_row
 from uwsim.flight.request import FlightRequest
 from uwsim.flight.survey import run_survey
 from uwsim.mapping import OccupancyMap

@@ -7,7 +7,7 @@ import pytest
 
 from command_line import start_survey, wait_for
 from uwsim.base.atomic_file import write_atomically
-from uwsim.flight.autosave import FlightAutosave
+from uwsim.flight.clock import FlightAutosave
 from uwsim.flight.fly import fly
 from uwsim.flight.record import FlightRecord
 from uwsim.flight.survey import run_survey

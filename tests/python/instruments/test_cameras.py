@@ -18,7 +18,7 @@ from scipy.spatial.transform import Rotation
 from test_imaging_mount import POOL
 from uwsim import Simulator, _core
 from uwsim.instruments.cameras import EFFECTS
-from uwsim.scenario.build.optics import core_optics
+from uwsim.scenario.build.camera import core_optics
 
 BED_M = 5.0
 """Depth of the pool."""

@@ -14,8 +14,7 @@ from uwsim.bridges.nmea.readings import read as sentences
 from uwsim.scenario import Scenario, ScenarioError, load
 from uwsim.scenario.georeference import georeference
 from uwsim.scenario.read.validated import validated
-from uwsim.scenario.spec.sensor import SensorMount
-from uwsim.scenario.spec.sensor_grade import GRADES
+from uwsim.scenario.spec.sensor import GRADES, SensorMount
 
 LATITUDE_DEG, LONGITUDE_DEG = 43.1, 5.9
 SENSORS: dict[str, Any] = {

@@ -11,7 +11,7 @@ import pytest
 from uwsim import Simulator, _core
 from uwsim.instruments.readings import Reading
 from uwsim.scenario import ScenarioError, load, load_vehicle
-from uwsim.scenario.build.sensor import sensor_spec
+from uwsim.scenario.build.equipment import sensor_spec
 from uwsim.scenario.read.assets import assets_folder
 from uwsim.scenario.read.validated import validated
 from uwsim.scenario.spec.sensor import Noise, SensorMount

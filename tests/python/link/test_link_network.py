@@ -14,11 +14,10 @@ from uwsim.link import seen_channels
 from uwsim.recording.recorder import Recorder
 from uwsim.recording.replay import replay
 from uwsim.scenario import Scenario, ScenarioError, load
-from uwsim.scenario.build.link import modem_spec, station_transducer
+from uwsim.scenario.build.station import modem_spec, station_transducer
 from uwsim.scenario.read.validated import validated
-from uwsim.scenario.spec.link import BOTTOMS, LinkSetup
-from uwsim.scenario.spec.modem import ModemModel, load_modem
-from uwsim.scenario.spec.station import Station
+from uwsim.scenario.spec.link import BOTTOMS, LinkSetup, ModemModel, load_modem
+from uwsim.scenario.spec.settings import Station
 
 MODEMS = ("none", "tether", "ideal_acoustic", "micromodem", "s2cm_hs")
 

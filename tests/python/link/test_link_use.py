@@ -14,7 +14,7 @@ from uwsim.link.rates import airtime_s, airtime_share, send_rates
 from uwsim.missions import wait
 from uwsim.operator.station.start.choice import ChoiceError, catalog, chosen
 from uwsim.scenario import load
-from uwsim.scenario.spec.modem import load_modem
+from uwsim.scenario.spec.link import load_modem
 
 
 def test_the_start_screen_offers_every_modem() -> None:

@@ -16,8 +16,8 @@ from uwsim import _core
 from uwsim.channels import Table
 from uwsim.cli.map_build import build
 from uwsim.cli.map_convert import convert
-from uwsim.flight.patch_errors import PatchErrors
 from uwsim.flight.raw_options import RawOptions
+from uwsim.flight.raw_places import PatchErrors
 from uwsim.flight.survey import run_survey
 from uwsim.live import LiveSimulator
 from uwsim.mapping.files.gsf_read import read_gsf

@@ -9,7 +9,7 @@ from matplotlib.path import Path as Polygon
 
 import uwsim
 from uwsim import Simulator
-from uwsim.flight.seen_bed import SeenBed
+from uwsim.flight.coverage import SeenBed
 from uwsim.mapping import OccupancyMap
 from uwsim.missions import lawn_mower_lanes
 from uwsim.missions.planners.area_chart import BEYOND_M, AreaChart

@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+from uwsim.flight.coverage import lanes_flown
 from uwsim.flight.field_flight import FieldNote
 from uwsim.flight.fly import fly
 from uwsim.flight.flyable_lanes import survey_plan
-from uwsim.flight.lanes_flown import lanes_flown
+from uwsim.flight.request import survey_changes, swath_m, with_survey
 from uwsim.flight.survey import run_survey
-from uwsim.flight.survey_area import survey_changes, swath_m, with_survey
 from uwsim.flight.terminal import Silent
 from uwsim.mapping.files.georeference import Home
 from uwsim.missions import LawnMowerPlan

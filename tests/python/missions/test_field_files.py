@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 
 from uwsim import Simulator
+from uwsim.flight.coverage import lanes_flown
 from uwsim.flight.field_flight import FieldNote
 from uwsim.flight.fly import fly
 from uwsim.flight.flyable_lanes import survey_plan
-from uwsim.flight.lanes_flown import lanes_flown
 from uwsim.flight.mission_file import MissionError
 from uwsim.flight.plan_export import plan_of
 from uwsim.mapping.files.georeference import HOME, Home

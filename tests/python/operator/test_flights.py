@@ -18,7 +18,7 @@ from station_pages import page, serving
 from uwsim.live import LiveSimulator
 from uwsim.operator.station.flights import flights as kept
 from uwsim.operator.station.flights.flights import Bounds, Flights
-from uwsim.recording import Recorder, Recording, queue
+from uwsim.recording import Recorder, Recording, sink
 from uwsim.recording.mcap_sink import McapSink
 from uwsim.recording.timeline import FROM_LOG, Timeline
 
@@ -166,7 +166,7 @@ def test_only_recordings_that_the_station_made_unasked_are_deleted(
 
 
 def test_a_flight_that_another_station_records_is_not_deleted(tmp_path: Path, monkeypatch):
-    monkeypatch.setattr(queue, "FLUSH_S", 0.1)
+    monkeypatch.setattr(sink, "FLUSH_S", 0.1)
     path = tmp_path / "20260101-000000-pool.mcap"
     with LiveSimulator("pool") as live, Recorder(live, path, notes=notes(path.name), is_light=True):
         until(lambda: path.stat().st_size and Recording(path).end_tick is not None, "a chunk")
@@ -179,7 +179,7 @@ def test_a_flight_that_another_station_records_is_not_deleted(tmp_path: Path, mo
 
 def test_what_a_kill_left_is_listed_with_its_end_and_replayed_to_there(tmp_path: Path, monkeypatch):
     """A kill -9 of a station leaves whole chunks, and then the beginning of another one."""
-    monkeypatch.setattr(queue, "FLUSH_S", 0.2)
+    monkeypatch.setattr(sink, "FLUSH_S", 0.2)
     with undocked(tmp_path, seed=7) as (station, ada):
         assert ada.call("command", name="set_lamp", vehicle="rov", args={"lamp": "front", "on": True})["success"]
         live = station.present().live

@@ -18,7 +18,7 @@ from uwsim.operator.station import Station
 from uwsim.operator.station.site.answers import PAGE
 from uwsim.operator.station.wire import messages
 from uwsim.operator.station.wire.calls import CALLS, Call
-from uwsim.scenario.spec.failsafe import Behaviour
+from uwsim.scenario.spec.battery import Behaviour
 from uwsim.simulator.failures.alarms import FAILSAFE_CAUSES
 
 DOCS = (Path(__file__).parents[3] / "docs/connections/station-wire.md").read_text()

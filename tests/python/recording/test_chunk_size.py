@@ -7,7 +7,7 @@ import pytest
 import zstandard
 from mcap.records import Chunk
 
-from uwsim.recording.chunk import BYTES_PER_BYTE, CHUNK_BYTES, unpacked
+from uwsim.recording.mcap_file import BYTES_PER_BYTE, FREE_BYTES, unpacked
 
 SIZE = 100_000_000
 PACKED = {"lz4": lz4.frame.compress(bytes(SIZE)), "zstd": zstandard.compress(bytes(SIZE)), "": bytes(1000)}
@@ -33,7 +33,7 @@ def test_a_chunk_that_holds_more_than_it_states_is_not_unpacked(compression: str
 
 def test_a_size_beyond_what_its_bytes_may_hold_is_refused_before() -> None:
     data = PACKED["zstd"]
-    most = CHUNK_BYTES + BYTES_PER_BYTE * len(data)
+    most = FREE_BYTES + BYTES_PER_BYTE * len(data)
     with pytest.raises(ValueError, match=f"its size of {SIZE:,} bytes is too large: must be at most {most:,}"):
         unpacked(chunk("zstd", SIZE, data))
 

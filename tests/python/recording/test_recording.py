@@ -29,7 +29,7 @@ from uwsim.recording import Recorder
 from uwsim.recording.capsule import pack, unpack
 from uwsim.recording.cli.recording import recording as list_recording
 from uwsim.recording.mcap_sink import McapSink
-from uwsim.recording.picture_cost import picture_cost_text
+from uwsim.recording.moments import picture_cost_text
 from uwsim.recording.replay import replay
 from uwsim.scenario import load
 from uwsim.scenario.fingerprint import scenario_fingerprint

@@ -24,8 +24,8 @@ from uwsim.recording.cli.diff import diff as diff_command
 from uwsim.recording.cli.map_from import from_recording
 from uwsim.recording.diff import diff
 from uwsim.recording.flight_recorder import record_ping, survey_recorder
-from uwsim.recording.live_map import live_map
 from uwsim.recording.replay import replay
+from uwsim.recording.survey_from import live_map
 
 SCAN = "sensor_msgs/msg/LaserScan"
 TOPICS = ("odom", "scan", "points", "imu", "dvl", "tf*", "stateData", "octomap_binary", "sonar_ping")

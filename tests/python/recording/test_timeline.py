@@ -89,7 +89,7 @@ def test_faults_holds_and_changed_water_are_repeated(tmp_path: Path) -> None:
 
 
 def test_a_recording_that_was_cut_off_leads_to_its_last_whole_chunk(tmp_path, monkeypatch) -> None:
-    monkeypatch.setattr("uwsim.recording.queue.FLUSH_S", 0.0)  # many chunks
+    monkeypatch.setattr("uwsim.recording.sink.FLUSH_S", 0.0)  # many chunks
     whole = fly(tmp_path / "whole.mcap", end_s=3.0)
     cut = tmp_path / "cut.mcap"
     content = whole.read_bytes()

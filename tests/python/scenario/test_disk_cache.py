@@ -11,7 +11,7 @@ import trimesh
 
 from uwsim.base.texts import yaml_parser
 from uwsim.scenario import load, load_mesh
-from uwsim.scenario.read import disk_cache, mesh_file, yaml_file
+from uwsim.scenario.read import disk_cache, mesh_file, spec_file
 from uwsim.scenario.read.assets import assets_folder
 from uwsim.scenario.read.disk_cache import cached_arrays, cached_json
 
@@ -130,8 +130,8 @@ def test_a_value_that_json_cannot_write_is_not_stored(value: int | str, folder: 
 def test_a_stored_document_is_the_parsed_one(name: str, folder: Path) -> None:
     path = assets_folder() / "scenarios" / f"{name}.yaml"
     for _ in range(2):
-        yaml_file._values.cache_clear()
-        document = yaml_file.read_yaml(path, path.name)
+        spec_file._values.cache_clear()
+        document = spec_file.read_yaml(path, path.name)
         assert document.values == yaml_parser.plain_values(path.read_text(), path.name)
         line = document.line(("vehicles", 0, "model"))
         assert path.read_text().splitlines()[line - 1].strip(" -").startswith("model:")
@@ -141,7 +141,7 @@ def test_a_stored_file_with_a_mistake_is_refused_at_its_line(folder: Path, tmp_p
     text = (assets_folder() / "scenarios" / "pool.yaml").read_text() + "wire: smoke\n"
     (tmp_path / "mine.yaml").write_text(text)
     for _ in range(2):
-        yaml_file._values.cache_clear()
+        spec_file._values.cache_clear()
         yaml_parser.parsed.cache_clear()
         with pytest.raises(ValueError, match=rf"mine\.yaml:{text.count(chr(10))}: wire = 'smoke'"):
             load(tmp_path / "mine.yaml")

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from uwsim import Simulator
-from uwsim.scenario.build.gravity import STANDARD_M_S2, gravity_m_s2
-from uwsim.scenario.spec.earth import Earth
+from uwsim.scenario.build.earth import STANDARD_M_S2, gravity_m_s2
+from uwsim.scenario.spec.settings import Earth
 
 SCENE = """
 name: place

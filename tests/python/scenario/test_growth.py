@@ -8,14 +8,11 @@ import trimesh
 
 from uwsim import Simulator
 from uwsim.scenario import Scenario, ScenarioError
-from uwsim.scenario.build.growth import overgrown, thickness_m
-from uwsim.scenario.build.solids import created
+from uwsim.scenario.build.solids import created, overgrown, thickness_m
 from uwsim.scenario.build.terrain import build_terrain
 from uwsim.scenario.obstacles.pipeline import Pipeline
 from uwsim.scenario.read.validated import validated
-from uwsim.scenario.spec.growth import GROWTHS, Growth
-from uwsim.scenario.spec.obstacle import Solid
-from uwsim.scenario.spec.part import places_by_kind
+from uwsim.scenario.spec.obstacle import GROWTHS, Growth, Solid, places_by_kind
 
 SITE = {
     "name": "site",

@@ -6,7 +6,7 @@ import pytest
 from uwsim import Simulator
 from uwsim.scenario import Scenario, ScenarioError
 from uwsim.scenario.read.validated import validated
-from uwsim.scenario.spec.life import LIFE
+from uwsim.scenario.spec.cover import LIFE
 
 SCHOOL = {
     "kind": "school", "name": "herring", "count": 120, "size_m": [0.2, 0.3], "position_m": [0, 0, -5], "round_m": 4.0,

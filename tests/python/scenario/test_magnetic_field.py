@@ -10,10 +10,10 @@ import pytest
 from uwsim import ScenarioError, Simulator
 from uwsim.navigation.estimation.aids import north_rad
 from uwsim.scenario import Scenario, load
-from uwsim.scenario.build.magnetic_field import compass_field
-from uwsim.scenario.build.sensor import sensor_spec
+from uwsim.scenario.build.earth import compass_field
+from uwsim.scenario.build.equipment import sensor_spec
 from uwsim.scenario.read.validated import validated
-from uwsim.scenario.spec.earth import Earth
+from uwsim.scenario.spec.settings import Earth
 
 pytest.importorskip("pygeomag", reason="needs pygeomag")
 

@@ -15,11 +15,10 @@ from scipy.io import netcdf_file
 from uwsim import Simulator, _core
 from uwsim.mapping.files.georeference import Georeference, metres_per_degree
 from uwsim.scenario import ScenarioError, load
-from uwsim.scenario.build.ocean import ocean_current
-from uwsim.scenario.build.tides import CONSTITUENTS, harmonic
+from uwsim.scenario.build.measured_water import CONSTITUENTS, harmonic, ocean_current
 from uwsim.scenario.read.ocean_file import read_ocean
 from uwsim.scenario.spec.sensor import SensorMount
-from uwsim.scenario.spec.tides import Constituent
+from uwsim.scenario.spec.water_parts import Constituent
 
 MONTEREY = Path(__file__).parents[4] / "shared/reality/ocean/2003080103_mb_l3_las_1x1km.csv.xz"
 LATITUDE_DEG, LONGITUDE_DEG = 36.8065, -121.824

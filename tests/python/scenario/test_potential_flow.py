@@ -5,16 +5,15 @@ import pytest
 import trimesh
 from numpy.typing import NDArray
 
-from uwsim.scenario.build import potential_flow
-from uwsim.scenario.build.potential_flow import added_mass_by_steps, added_mass_of_ellipsoid, added_mass_of_mesh
+from uwsim.base.arrays import Floats
+from uwsim.scenario.build import hydrodynamics
+from uwsim.scenario.build.hydrodynamics import added_mass_by_steps, added_mass_of_ellipsoid, added_mass_of_mesh
 from uwsim.scenario.read.errors import ScenarioError
-
-Floats = NDArray[np.float64]
 
 
 @pytest.fixture(autouse=True)
 def few_panels(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(potential_flow, "PANELS", 600)
+    monkeypatch.setattr(hydrodynamics, "PANELS", 600)
 
 
 def cubes(gap_m: float) -> tuple[Floats, NDArray[np.int64]]:
@@ -44,7 +43,7 @@ def test_where_all_panels_fail_the_ellipsoid_of_the_same_volume_and_ratios_is_le
         tried.append(len(faces))
         raise ValueError("mesh.triangles = 1: must be no slivers")
 
-    monkeypatch.setattr(potential_flow._core, "added_mass", fails)
+    monkeypatch.setattr(hydrodynamics._core, "added_mass", fails)
     axes_m, at_m = np.array([1.0, 0.3, 0.2]), np.array([0.5, 0.0, -0.1])
     ball = trimesh.creation.icosphere(4)
     found, remedy = added_mass_by_steps(np.array(ball.vertices) * axes_m + at_m, np.array(ball.faces), 1000.0)

@@ -15,7 +15,7 @@ from uwsim import Simulator
 from uwsim.scenario import Scenario, ScenarioError, load, load_vehicle, packaged_scenarios
 from uwsim.scenario.read.assets import assets_folder
 from uwsim.scenario.spec.fields import Model
-from uwsim.scenario.spec.polygon import area, narrowest_width
+from uwsim.scenario.spec.survey import area, narrowest_width
 
 POOL = (assets_folder() / "scenarios" / "pool.yaml").read_text()
 ROV = (assets_folder() / "vehicles" / "rov.yaml").read_text()

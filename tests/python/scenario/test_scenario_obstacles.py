@@ -9,8 +9,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from uwsim import _core
 from uwsim.scenario import ScenarioError, Terrain
-from uwsim.scenario.build.obstacles import obstacle_solid
-from uwsim.scenario.build.solids import SIDES
+from uwsim.scenario.build.solids import SIDES, obstacle_solid
 from uwsim.scenario.obstacles.pipeline import swept_tube
 from uwsim.scenario.spec.obstacle import ObstacleSpec, Solid
 

@@ -13,9 +13,9 @@ from pydantic import TypeAdapter, ValidationError
 
 from uwsim import _core
 from uwsim.scenario.read.assets import assets_folder
-from uwsim.scenario.read.yaml_file import read_yaml
+from uwsim.scenario.read.spec_file import read_yaml
 from uwsim.scenario.schema import FILES, PARTS, schema, schema_file
-from uwsim.scenario.spec.imaging_kind import imaging_kinds
+from uwsim.scenario.spec.imaging_sonar import imaging_kinds
 from uwsim.scenario.spec.sensor_kind import sensor_kinds
 
 FOLDERS = {"scenario": "scenarios", "vehicle": "vehicles", "thruster": "thrusters", "sonar": "sonars",

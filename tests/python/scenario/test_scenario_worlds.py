@@ -22,7 +22,7 @@ from uwsim.scenario import (
 )
 from uwsim.scenario import start_pose as start
 from uwsim.scenario.build.hull import vehicle_hull
-from uwsim.scenario.build.obstacles import obstacle_solid
+from uwsim.scenario.build.solids import obstacle_solid
 from uwsim.scenario.read.assets import assets_folder
 from uwsim.scenario.read.mesh_file import load_mesh
 

@@ -8,7 +8,7 @@ import pytest
 from command_line import uwsim
 from uwsim import Simulator, _core
 from uwsim.evidence.scenario_check import check_file
-from uwsim.scenario.build.short_waves import ShortWavesWarning, energy_share
+from uwsim.scenario.build.wind import ShortWavesWarning, energy_share
 
 LENGTH_M = 0.58  # of a BlueROV2 Heavy, across
 

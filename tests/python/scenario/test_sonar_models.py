@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 from uwsim import Simulator, _core
 from uwsim.mapping import ranging
 from uwsim.scenario import ScenarioError, load
-from uwsim.scenario.build.labels import backscatter_by_label, label_names
-from uwsim.scenario.build.multibeam import acoustic_spec, multibeam_model
+from uwsim.scenario.build.multibeam import acoustic_spec, backscatter_by_label, label_names, multibeam_model
 from uwsim.scenario.build.world import build_world
 from uwsim.scenario.fingerprint import scenario_fingerprint
 from uwsim.scenario.read.assets import assets_folder

@@ -7,8 +7,7 @@ import pytest
 
 from uwsim import Scenario, ScenarioError, Simulator
 from uwsim.scenario import build_terrain, load
-from uwsim.scenario.build.obstacles import obstacle_solid
-from uwsim.scenario.build.surface_points import surface_points
+from uwsim.scenario.build.solids import obstacle_solid, surface_points
 from uwsim.scenario.read.assets import assets_folder
 
 COVE = (assets_folder() / "scenarios" / "cove.yaml").read_text()

@@ -10,7 +10,7 @@ from sea import open_water
 from uwsim import Simulator, _core
 from uwsim.base.axes import AXES
 from uwsim.scenario import ScenarioError, load_vehicle
-from uwsim.scenario.build.actuator import thrust_curve
+from uwsim.scenario.build.equipment import thrust_curve
 from uwsim.scenario.spec.actuator import load_thruster
 from uwsim.simulator.vehicle import Vehicle
 

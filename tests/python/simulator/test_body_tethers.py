@@ -9,7 +9,7 @@ from sites import flat, rov
 from uwsim import Simulator
 from uwsim.channels.authority.steering import is_cut_off
 from uwsim.scenario import Scenario, ScenarioError
-from uwsim.scenario.build.labels import label_names
+from uwsim.scenario.build.multibeam import label_names
 
 GRAVITY_M_S2, WATER_KG_M3, BED_M = 9.80665, 1000.0, -10.0
 ROV = rov(position_m=(-6, 0, -4))

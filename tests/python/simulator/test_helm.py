@@ -13,7 +13,7 @@ import pytest
 
 from uwsim import Simulator
 from uwsim.scenario import Scenario, load
-from uwsim.scenario.spec.failsafe import Failsafe
+from uwsim.scenario.spec.battery import Failsafe
 from uwsim.scenario.spec.vehicle import load_vehicle
 from uwsim.simulator import helm
 from uwsim.simulator.helm import AllStopWarning, FailsafeWarning, Lease, Reason, Source

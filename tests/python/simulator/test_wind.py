@@ -10,7 +10,7 @@ from sites import lake
 from uwsim import Simulator
 from uwsim.scenario import load
 from uwsim.scenario.build.wind import LEAST_HZ, MOST_HZ, gusts
-from uwsim.scenario.spec.wind import Wind
+from uwsim.scenario.spec.water_parts import Wind
 
 
 def npd(f: float, speed: float) -> float:

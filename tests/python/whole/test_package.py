@@ -14,7 +14,7 @@ from tools.measured import PAGES, WITH_SPEED, all_values, filled
 
 from command_line import uwsim
 from uwsim.base.extras import EXTRA_OF, MissingExtraError
-from uwsim.cli.cite import bibtex
+from uwsim.cli.program import bibtex
 from uwsim.scenario.fingerprint import build_fingerprint
 
 ROOT = Path(__file__).parents[3]

@@ -123,7 +123,7 @@ from dataclasses import dataclass
 from typing import Literal
 from uwsim.instruments.sonars.imaging import ForwardLooking
 from uwsim.scenario.spec.fields import Name
-from uwsim.scenario.spec.imaging_kind import ImagingKind
+from uwsim.scenario.spec.imaging_sonar import ImagingKind
 from uwsim.scenario.spec.obstacle import OnBed
 from uwsim.scenario.spec.terrain import TerrainModel
 
@@ -146,7 +146,7 @@ SONAR = ImagingKind(Sonar, print)
 RULES = {
     "obstacle": ("Obstacle", "must have the fields material"),
     "terrain": ("Terrain", 'must have the field `source: Literal["mine"]`'),
-    "imaging_sonar": ("SONAR", "Sonar.plain: must be made by uwsim.scenario.spec.imaging_kind.figure"),
+    "imaging_sonar": ("SONAR", "Sonar.plain: must be made by uwsim.scenario.spec.imaging_sonar.figure"),
 }
 
 
@@ -207,7 +207,7 @@ from uwsim.scenario import load
 from uwsim.scenario.dump import write_scenario
 from uwsim.scenario.fingerprint import scenario_fingerprint
 from uwsim.scenario.read.cast_file import read_cast
-from uwsim.scenario.spec.modem import load_modem
+from uwsim.scenario.spec.link import load_modem
 
 def refusal(call):
     try:

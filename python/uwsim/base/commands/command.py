@@ -10,7 +10,7 @@ from typing import Any, Final, Literal
 import numpy as np
 
 from uwsim.base.arguments import number
-from uwsim.base.did_you_mean import did_you_mean
+from uwsim.base.named import did_you_mean
 
 Type = Literal["number", "numbers", "numbers by name", "flag", "text", "bytes", "any"]
 REQUIRED: Final = object()

@@ -9,10 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
-Vector = NDArray[np.float64]
+from uwsim.base.arrays import Floats
 
 
 class Steerable(Protocol):
@@ -64,7 +61,7 @@ class Commandable(Steerable, Protocol):
         self.command("all_stop", on=on)
 
     def set_wrench(
-        self, force_body_n: Sequence[float] | Vector, torque_body_nm: Sequence[float] | Vector = (0.0, 0.0, 0.0)
+        self, force_body_n: Sequence[float] | Floats, torque_body_nm: Sequence[float] | Floats = (0.0, 0.0, 0.0)
     ) -> None:
         """Command the total thruster force (3,) and torque (3,) about the origin, in body axes and for still water."""
         self.command("set_wrench", force_body_n=force_body_n, torque_body_nm=torque_body_nm)
@@ -96,8 +93,8 @@ class Placeable(Commandable, Protocol):
 
     def apply_wrench(
         self,
-        force_n: Sequence[float] | Vector,
-        torque_nm: Sequence[float] | Vector = (0.0, 0.0, 0.0),
+        force_n: Sequence[float] | Floats,
+        torque_nm: Sequence[float] | Floats = (0.0, 0.0, 0.0),
         axes: str = "body",
         duration_s: float | None = None,
     ) -> None:
@@ -110,9 +107,9 @@ class Placeable(Commandable, Protocol):
 
     def place(
         self,
-        position_world_m: Sequence[float] | Vector,
-        orientation_xyzw: Sequence[float] | Vector = (0.0, 0.0, 0.0, 1.0),
-        velocity_body: Sequence[float] | Vector = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
+        position_world_m: Sequence[float] | Floats,
+        orientation_xyzw: Sequence[float] | Floats = (0.0, 0.0, 0.0, 1.0),
+        velocity_body: Sequence[float] | Floats = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
     ) -> None:
         """Move the vehicle to a pose instantly, at rest unless velocity_body (6,) is passed."""
         self.command(

@@ -11,13 +11,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
-from uwsim.base.cut_short import warn_if_cut_short
-from uwsim.base.did_you_mean import did_you_mean
+from uwsim.base.arrays import Floats
+from uwsim.base.caught_warnings import warn_if_cut_short
+from uwsim.base.named import did_you_mean
 from uwsim.base.texts.text_file import decoded, read_limited
 
-Floats = NDArray[np.float64]
 MOST_BYTES = 1 << 28
 MOST_CELLS = 20_000_000  # which take up to 2 GB
 

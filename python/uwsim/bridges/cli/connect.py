@@ -9,10 +9,8 @@ import typer
 from uwsim.bridges.cli.graph_options import GraphOptions
 from uwsim.bridges.cli.serve import FramePrefix, Namespace, Origin, Paused, Speed, Tf, parsed_speed, prefix_of
 from uwsim.bridges.doors.endpoint import ROSBRIDGE_PORT
-from uwsim.cli.bounds import within
-from uwsim.cli.choices import one_of
 from uwsim.cli.options import SimulatorOptions
-from uwsim.cli.values import scenarios
+from uwsim.cli.values import one_of, scenarios, within
 
 ServersRos = Annotated[
     int | None,

@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from uwsim.bridges.requested import ExaminedBridges
-from uwsim.cli.bounds import within
+from uwsim.cli.values import within
 
 MARKS = {"ok": "ok", "note": "-", "wrong": "WRONG"}
 

@@ -11,10 +11,10 @@ from uwsim.base.options import need, refuse
 from uwsim.bridges.doors.endpoint import ROSBRIDGE_PORT
 from uwsim.bridges.requested import PlayedBridges
 from uwsim.cli.access import Access
-from uwsim.cli.bounds import readable, within, writable
 from uwsim.cli.exit_codes import FAILED, INCOMPLETE
 from uwsim.cli.groups import under
 from uwsim.cli.options import AsJson, Threads, print_json
+from uwsim.cli.values import readable, within, writable
 from uwsim.recording.cli.real_flight import LogColumns, LogOutputs
 
 
@@ -98,8 +98,8 @@ def replay(
     second, and the recording opens like that of any other flight: at the station, in `film` and in `replay`.
     """
     from uwsim.bridges.cli.serve import parsed_speed
-    from uwsim.recording.pacer import Pacer
     from uwsim.recording.reader import Recording
+    from uwsim.recording.replay import Pacer
 
     if not 0.0 <= from_s <= (from_s if until_s is None else until_s):  # also false for NaN
         raise ValueError(f"--from {from_s:g} s, --until {until_s} s: must be 0 or more, and in this order")

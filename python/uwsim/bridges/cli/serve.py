@@ -15,11 +15,9 @@ from uwsim.bridges.page import Pages, Serving
 from uwsim.bridges.requested import Bridges
 from uwsim.cli.access import Access
 from uwsim.cli.autopilots import Autopilots, prepared
-from uwsim.cli.bounds import within
-from uwsim.cli.choices import one_of
 from uwsim.cli.groups import under
 from uwsim.cli.options import SimulatorOptions
-from uwsim.cli.values import scenarios
+from uwsim.cli.values import one_of, scenarios, within
 from uwsim.recording.flight_options import RecordOptions
 
 if TYPE_CHECKING:
@@ -141,7 +139,7 @@ def serve(
             """Start recording the channels that a table's clients see, if a recording was requested."""
             if recorded.record is not None:
                 from uwsim.recording import Recorder
-                from uwsim.recording.picture_cost import picture_cost_text
+                from uwsim.recording.moments import picture_cost_text
 
                 recorder = Recorder(
                     live, recorded.record, topics=recorded.record_topic or None, shared=table, feed=feed,

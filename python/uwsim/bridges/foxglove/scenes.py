@@ -21,7 +21,7 @@ from uwsim.bridges.foxglove.primitives import by_height, cubes, line, mesh
 from uwsim.channels.delivery.feed import Reading
 from uwsim.channels.families.map_changes import EDGE, OCCUPIED
 from uwsim.scenario import Scenario, vehicle_hull
-from uwsim.scenario.build.obstacles import obstacle_solid
+from uwsim.scenario.build.solids import obstacle_solid
 from uwsim.scenario.build.station import station_mesh
 from uwsim.scenario.build.terrain import build_terrain
 from uwsim.simulator.moving_shapes import MovingShape, moving_shapes

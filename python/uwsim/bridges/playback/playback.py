@@ -12,8 +12,8 @@ from uwsim.bridges.playback.feed import PlayedFeed, channels_of
 from uwsim.bridges.plug import Context
 from uwsim.bridges.requested import Bridges
 from uwsim.bridges.rosbridge.server import RosbridgeServer
-from uwsim.recording.pacer import Pacer
 from uwsim.recording.reader import Recording
+from uwsim.recording.replay import Pacer
 
 SETTLE_S = 0.5  # time for the last messages to reach the clients
 

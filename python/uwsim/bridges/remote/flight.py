@@ -16,25 +16,23 @@ from numpy.typing import NDArray
 from uwsim.base.axes import AXES
 from uwsim.base.folder_lock import alone_in
 from uwsim.bridges.remote import LockstepClock, RemoteClock, RemoteConnection, RemoteVehicle, vehicle_names
-from uwsim.flight.autosave import FlightAutosave
-from uwsim.flight.clock import FlightOverError
-from uwsim.flight.end import run_to_end
+from uwsim.flight.clock import FlightAutosave, FlightOverError, run_to_end
+from uwsim.flight.coverage import scored_area_m
 from uwsim.flight.folder import remove_stale_results, results_folder
+from uwsim.flight.log import MissionLog
 from uwsim.flight.mission_file import FUNCTION, load_mission, mission_name, with_arguments
-from uwsim.flight.mission_log import MissionLog
+from uwsim.flight.pinging import survey_area_m
 from uwsim.flight.record import DONE, INTERRUPTED, FlightRecord
 from uwsim.flight.results import MAP, RESULT_FILES, require_report, write_results
 from uwsim.flight.samples import COLUMNS, PERIOD_S, Samples
-from uwsim.flight.scored_area import scored_area_m
 from uwsim.flight.terminal import Silent
-from uwsim.flight.vehicle_chain import survey_area_m
 from uwsim.mapping import OccupancyMap
 from uwsim.mapping.ping_to_map import received_echoes
 from uwsim.missions.own_vehicle import Event, OwnVehicle
 from uwsim.missions.run import MissionFunction, begin, first_parameter
 from uwsim.missions.steps import drive
 from uwsim.navigation.control.protocols import Clock
-from uwsim.scenario.build.ping_chain import VOXEL_M
+from uwsim.scenario.build.multibeam import VOXEL_M
 from uwsim.simulator.simulator import Simulator
 
 

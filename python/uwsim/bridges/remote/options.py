@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from uwsim.base.options import option
 from uwsim.bridges.doors.endpoint import ROSBRIDGE_PORT
-from uwsim.flight.elsewhere import OtherFlight
+from uwsim.flight.attachment import OtherFlight
 
 if TYPE_CHECKING:
     from uwsim.flight.record import FlightRecord

@@ -8,14 +8,13 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from uwsim.base.did_you_mean import did_you_mean
+from uwsim.base.named import did_you_mean
 from uwsim.base.options import Options, WithoutEffectError, flag_name, is_given, option
 from uwsim.campaigns.workers.options import CampaignOptions
-from uwsim.cli.bounds import UsageError, readable, require_file
 from uwsim.cli.exit_codes import INTERRUPTED
+from uwsim.cli.flags import ModelFlags
 from uwsim.cli.groups import under
-from uwsim.cli.model_flags import ModelFlags
-from uwsim.cli.values import packaged_folder, scenarios
+from uwsim.cli.values import UsageError, packaged_folder, readable, require_file, scenarios
 
 if TYPE_CHECKING:
     from uwsim.campaigns.datasets import Dataset

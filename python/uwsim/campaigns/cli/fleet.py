@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from uwsim.campaigns.workers.options import RetriedOptions
-from uwsim.cli.bounds import within
 from uwsim.cli.exit_codes import FAILED, INTERRUPTED
 from uwsim.cli.groups import under
 from uwsim.cli.options import ScenarioName, Seed, Voxel
+from uwsim.cli.values import within
 
 if TYPE_CHECKING:
     from uwsim.campaigns.fleet import Fleet

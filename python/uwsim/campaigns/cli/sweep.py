@@ -10,9 +10,9 @@ import typer
 
 from uwsim.base.options import refuse
 from uwsim.campaigns.workers.options import RetriedOptions
-from uwsim.cli.bounds import readable, within
 from uwsim.cli.exit_codes import FAILED, INTERRUPTED
 from uwsim.cli.groups import under
+from uwsim.cli.values import readable, within
 
 if TYPE_CHECKING:
     from uwsim.campaigns.sweeps import Sweep, SweepPlan

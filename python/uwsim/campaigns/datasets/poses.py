@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from uwsim.base.arrays import Floats
 from uwsim.campaigns.datasets.targets import Targets
 from uwsim.simulator.simulator import Simulator
 
-Floats = NDArray[np.float64]
 BATCH, MAX_BATCHES = 64, 200
 """The number of poses drawn at once, and the number of batches tried before the limits are considered too narrow."""
 MARGIN = 0.1

@@ -20,12 +20,12 @@ from uwsim.instruments.cameras.effects import effects_on
 from uwsim.instruments.sonars.imaging import ForwardLooking, SonarImage, look_ahead
 from uwsim.instruments.sonars.mounted import ImagingSonar
 from uwsim.scenario import load
+from uwsim.scenario.build.camera import core_optics
 from uwsim.scenario.build.hull import hull_radius_m
-from uwsim.scenario.build.obstacles import obstacle_parts
-from uwsim.scenario.build.optics import core_optics
+from uwsim.scenario.build.solids import obstacle_parts
 from uwsim.scenario.build.terrain import build_terrain
 from uwsim.scenario.fingerprint import scenario_fingerprint
-from uwsim.scenario.spec.turbidity import visibility_m
+from uwsim.scenario.spec.optics import visibility_m
 from uwsim.scenario.variation import extremes, level_at
 from uwsim.simulator.simulator import Simulator
 

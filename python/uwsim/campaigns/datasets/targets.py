@@ -7,12 +7,12 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim.base.did_you_mean import did_you_mean
+from uwsim.base.arrays import Floats
+from uwsim.base.named import did_you_mean
 from uwsim.scenario.build.hull import vehicle_hull
-from uwsim.scenario.spec.part import Part, places_by_kind
+from uwsim.scenario.spec.obstacle import Part, places_by_kind
 from uwsim.simulator.simulator import Simulator
 
-Floats = NDArray[np.float64]
 TERRAIN = "terrain"
 PLACE_M = 1e-3
 """Size of the triangle at a part's place."""

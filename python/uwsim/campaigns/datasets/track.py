@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from uwsim.base.arrays import Floats
 from uwsim.base.npz import read_npz
 from uwsim.base.texts.csv_table import CsvTable, read_csv
 from uwsim.base.texts.text_file import require_regular
 
-Floats = NDArray[np.float64]
 POSITIONS, ORIENTATIONS, TIMES, PATH = "position_world_m", "orientation_xyzw", "time_s", "path_world_m"
 ANGLES = ("yaw_rad", "pitch_rad", "roll_rad")
 

@@ -10,7 +10,7 @@ import numpy as np
 from manifold3d import CrossSection, FillRule
 from numpy.typing import NDArray
 
-from uwsim.scenario.spec.polygon import area, narrowest_width
+from uwsim.scenario.spec.survey import area, narrowest_width
 
 Corners = tuple[tuple[float, float], ...]
 TILES = "tiles"

@@ -5,16 +5,16 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from uwsim.base.did_you_mean import did_you_mean
+from uwsim.base.named import did_you_mean
 from uwsim.campaigns.sweeps.design import Run
 from uwsim.campaigns.sweeps.job import Job
 from uwsim.campaigns.sweeps.spec import SweepSpec, beside
 from uwsim.flight.flyable_lanes import required_survey
 from uwsim.flight.mission_file import MissionError, load_mission, with_arguments
+from uwsim.flight.pinging import require_sonar
 from uwsim.flight.request import file_digest
-from uwsim.flight.vehicle_chain import require_sonar
 from uwsim.scenario import ScenarioError
-from uwsim.scenario.read.source_file import SourceFile
+from uwsim.scenario.read.spec_file import SourceFile
 from uwsim.scenario.variation import Level, extremes
 from uwsim.simulator.simulator import Simulator
 

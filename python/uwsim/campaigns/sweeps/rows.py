@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim.base.did_you_mean import did_you_mean
+from uwsim.base.named import did_you_mean
 from uwsim.campaigns.sweeps.design import Run
 from uwsim.campaigns.sweeps.spec import Limits, Objective
 

@@ -11,9 +11,8 @@ from pydantic_core.core_schema import ValidationInfo
 
 from uwsim.base.texts.yaml_document import YamlDocument
 from uwsim.flight.request import EstimateKind
-from uwsim.scenario.read.source_file import SourceFile
+from uwsim.scenario.read.spec_file import SourceFile, read_yaml
 from uwsim.scenario.read.validated import validated
-from uwsim.scenario.read.yaml_file import read_yaml
 from uwsim.scenario.spec.fields import AssetFile, InRange, Model, Name, broken
 from uwsim.scenario.variation import Bound, Variation
 

@@ -24,7 +24,7 @@ from uwsim.campaigns.workers.work import Show
 from uwsim.flight.folder import made_folder
 from uwsim.scenario import load
 from uwsim.scenario.fingerprint import build_fingerprint, scenario_fingerprint
-from uwsim.scenario.read.source_file import SourceFile
+from uwsim.scenario.read.spec_file import SourceFile
 from uwsim.scenario.variation import choices
 
 REPORT = "report.html"

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from uwsim.base.did_you_mean import did_you_mean
+from uwsim.base.named import did_you_mean
 from uwsim.scenario import Scenario, ScenarioError
 from uwsim.scenario.spec.fields import Model
 from uwsim.simulator.parameters import Parameters

@@ -12,8 +12,8 @@ from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwsim.base.arrays import Floats
 from uwsim.channels.source import Source
 from uwsim.live import LiveSimulator, NotRunningError, Subscription
 from uwsim.simulator.simulator import Simulator
@@ -27,7 +27,6 @@ GOAL_TIME_S = 2.0  # how long after its end, where a goal has none
 SUCCESSFUL, PATH_VIOLATED, GOAL_VIOLATED = 0, -4, -5  # control_msgs/action/FollowJointTrajectory
 INVALID_GOAL = -1
 
-Floats = NDArray[np.float64]
 Now = tuple[int, Floats, Floats, bool]
 logger = logging.getLogger("uwsim.channels")
 

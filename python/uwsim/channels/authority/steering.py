@@ -19,7 +19,7 @@ from uwsim.channels.source import Source
 from uwsim.live import LiveSimulator, NotRunningError, Subscription
 from uwsim.navigation.control.controller import Controller
 from uwsim.navigation.control.velocity_hold import VelocityHold
-from uwsim.scenario.build.tether import tethered_through
+from uwsim.scenario.build.station import tethered_through
 from uwsim.simulator.helm import Clock, Helm, Lease, Reason, Timeout
 from uwsim.simulator.helm import Source as Rank
 from uwsim.simulator.simulator import Simulator

@@ -24,7 +24,7 @@ from uwsim.channels.ros import build
 from uwsim.channels.source import Source
 from uwsim.scenario import Scenario
 from uwsim.scenario.build.craft import mass_properties
-from uwsim.scenario.build.gravity import gravity_m_s2
+from uwsim.scenario.build.earth import gravity_m_s2
 from uwsim.scenario.build.hull import hull_placement, vehicle_hull
 from uwsim.scenario.build.water import surface_density_kg_m3
 from uwsim.scenario.obstacles.box import Box

@@ -20,7 +20,7 @@ from uwsim.channels.ros.own_types import MAP_CHANGES
 from uwsim.channels.source import Source
 from uwsim.mapping import OccupancyMap
 from uwsim.scenario import Scenario
-from uwsim.scenario.build.ping_chain import map_voxel_m
+from uwsim.scenario.build.multibeam import map_voxel_m
 from uwsim.simulator.simulator import Simulator
 
 PUBLISH_NS, CHANGES_NS = 1_000_000_000, 250_000_000

@@ -9,8 +9,8 @@ from typing import Annotated
 import typer
 
 from uwsim.base.options import need
-from uwsim.cli.bounds import readable, within
 from uwsim.cli.options import AsJson, Threads, print_json
+from uwsim.cli.values import readable, within
 from uwsim.recording.cli.real_flight import LogColumns, LogOutputs
 
 

@@ -9,8 +9,8 @@ from typing import Annotated
 import typer
 
 from uwsim.base.options import need
-from uwsim.cli.choices import one_of
 from uwsim.cli.groups import under
+from uwsim.cli.values import one_of
 
 
 @under("Check")

@@ -9,10 +9,9 @@ from typing import Annotated
 import typer
 
 from uwsim.base.options import WithoutEffectError
-from uwsim.cli.choices import one_of
 from uwsim.cli.exit_codes import FAILED
 from uwsim.cli.scenario import KINDS
-from uwsim.cli.values import scenarios
+from uwsim.cli.values import one_of, scenarios
 
 
 def check(

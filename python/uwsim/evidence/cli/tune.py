@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from uwsim.cli.bounds import within
 from uwsim.cli.options import AsJson, print_json
-from uwsim.cli.values import vehicles
+from uwsim.cli.values import vehicles, within
 
 if TYPE_CHECKING:
     from uwsim.evidence.tuning import Tuned

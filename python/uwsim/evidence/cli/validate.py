@@ -10,11 +10,10 @@ from typing import Annotated
 import typer
 
 from uwsim.base.stoppable import ending_signals
-from uwsim.cli.bounds import UsageError, within
-from uwsim.cli.choices import one_of
 from uwsim.cli.exit_codes import FAILED
 from uwsim.cli.groups import under
 from uwsim.cli.options import AsJson, print_json
+from uwsim.cli.values import UsageError, one_of, within
 from uwsim.evidence.suites import ON_REQUEST, SUITES
 
 BY_DEFAULT = [name for name in SUITES if name not in ON_REQUEST]

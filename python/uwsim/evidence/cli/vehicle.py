@@ -10,13 +10,11 @@ import typer
 
 from uwsim.base.axes import AXES
 from uwsim.base.own_files import require_own
-from uwsim.cli.bounds import UsageError, within, writable
-from uwsim.cli.choices import one_of
 from uwsim.cli.decompose import decompose
 from uwsim.cli.exit_codes import FAILED
 from uwsim.cli.groups import with_default
 from uwsim.cli.options import print_json
-from uwsim.cli.values import vehicles
+from uwsim.cli.values import UsageError, one_of, vehicles, within, writable
 from uwsim.evidence.cli.identify import identify
 from uwsim.evidence.cli.tune import tune
 

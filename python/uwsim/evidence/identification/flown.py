@@ -24,7 +24,7 @@ from uwsim.evidence.identification.unknowns import DELAY, Unknown, parameters_at
 from uwsim.recording.real_flights.deep_water import BOAT_STEP_S, STEP_S, in_deep_water, start_m
 from uwsim.recording.real_flights.motion import TILT, MotionLog, command
 from uwsim.scenario import VehicleModel
-from uwsim.scenario.build.afloat import is_boat
+from uwsim.scenario.build.hull import is_boat
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]

@@ -27,8 +27,8 @@ from uwsim.evidence.identification.unknowns import Place, Unknown, numbers_at, u
 from uwsim.recording.real_flights.deep_water import VEHICLE
 from uwsim.recording.real_flights.motion import MotionLog
 from uwsim.scenario import VehicleModel
-from uwsim.scenario.build.afloat import is_boat
-from uwsim.scenario.build.completed import completed
+from uwsim.scenario.build.hull import is_boat
+from uwsim.scenario.build.vehicle import completed
 from uwsim.scenario.spec.fields import Model
 
 Array = NDArray[np.float64]

@@ -17,7 +17,7 @@ from scipy.spatial.transform import Rotation
 from uwsim.evidence.reproduce.figure import Figure
 from uwsim.figures.style import ACCENT, FAINT_INK, INK, new_figure, save_figure
 from uwsim.scenario.build.hull import hull_placement, vehicle_hull
-from uwsim.scenario.build.obstacles import obstacle_solid
+from uwsim.scenario.build.solids import obstacle_solid
 from uwsim.scenario.build.terrain import build_terrain
 from uwsim.scenario.obstacles.ring import Ring
 from uwsim.scenario.read.mesh_file import load_mesh

@@ -10,16 +10,15 @@ from uwsim.base.texts.yaml_document import YamlDocument
 from uwsim.evidence.scenario_check.report import CheckReport
 from uwsim.evidence.scenario_check.scene import measured_scene
 from uwsim.evidence.scenario_check.surprises import surprises
-from uwsim.flight.survey_check import checked
+from uwsim.flight.flyable_lanes import checked
 from uwsim.scenario import Scenario, ScenarioError, build_world, load
 from uwsim.scenario.build.vehicle import vehicle_control, vehicle_errors_at, vehicle_spec
 from uwsim.scenario.build.world import scenario_water
 from uwsim.scenario.read.assets import find_yaml, shown_name
-from uwsim.scenario.read.collected import Collected
+from uwsim.scenario.read.errors import Collected
 from uwsim.scenario.read.remainder import Remainder
-from uwsim.scenario.read.source_file import SourceFile
+from uwsim.scenario.read.spec_file import SourceFile, read_yaml
 from uwsim.scenario.read.validated import what_holds
-from uwsim.scenario.read.yaml_file import read_yaml
 from uwsim.simulator.simulator import Simulator
 
 STAND_INS: dict[str, Any] = {

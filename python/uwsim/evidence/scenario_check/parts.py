@@ -8,26 +8,24 @@ from pathlib import Path
 from typing import Any
 
 from uwsim import _core
-from uwsim.base.did_you_mean import did_you_mean
+from uwsim.base.named import did_you_mean
 from uwsim.evidence.scenario_check.report import CheckReport
 from uwsim.evidence.vehicle.figures import VehicleFigures, vehicle_figures
 from uwsim.evidence.vehicle.surprises import FRESH_KG_M3, buoyancy_surprises, vehicle_surprises
 from uwsim.scenario import Scenario, ScenarioError
-from uwsim.scenario.build.actuator import thrust_curve
-from uwsim.scenario.build.battery import battery_spec
-from uwsim.scenario.build.link import modem_spec
+from uwsim.scenario.build.equipment import battery_spec, sensor_spec, thrust_curve
 from uwsim.scenario.build.loose_bodies import object_specs
 from uwsim.scenario.build.multibeam import acoustic_spec, multibeam_model
-from uwsim.scenario.build.obstacles import obstacle_solid
-from uwsim.scenario.build.sensor import sensor_spec
+from uwsim.scenario.build.solids import obstacle_solid
+from uwsim.scenario.build.station import modem_spec
 from uwsim.scenario.build.terrain import build_terrain
 from uwsim.scenario.read.assets import find_yaml, shown_name
+from uwsim.scenario.read.spec_file import read_yaml
 from uwsim.scenario.read.validated import validated, what_holds
-from uwsim.scenario.read.yaml_file import read_yaml
 from uwsim.scenario.schema import FILES
 from uwsim.scenario.spec.actuator import ThrusterType
 from uwsim.scenario.spec.battery import BatterySetup, BatteryType
-from uwsim.scenario.spec.modem import ModemModel
+from uwsim.scenario.spec.link import ModemModel
 from uwsim.scenario.spec.prop import Prop
 from uwsim.scenario.spec.sensor import SensorSet
 from uwsim.scenario.spec.sonar import ACOUSTIC, SonarModel

@@ -14,11 +14,10 @@ from scipy.spatial.transform import Rotation
 from uwsim import _core
 from uwsim.evidence.vehicle.figures import VehicleFigures, vehicle_figures
 from uwsim.scenario import Terrain, VehicleEntry, build_terrain, start_pose
+from uwsim.scenario.build.camera import core_optics
 from uwsim.scenario.build.hull import rigid_body, vehicle_hull
-from uwsim.scenario.build.obstacles import obstacle_solid
-from uwsim.scenario.build.optics import core_optics
+from uwsim.scenario.build.solids import obstacle_solid, surface_points
 from uwsim.scenario.build.station import exit_position, station_at_start
-from uwsim.scenario.build.surface_points import surface_points
 from uwsim.scenario.build.water import build_water, surface_density_kg_m3
 from uwsim.scenario.georeference import georeference
 from uwsim.scenario.read.mesh_file import Triangles, Vertices

@@ -13,7 +13,7 @@ from uwsim.missions.heights import HIGHEST_Z_M
 from uwsim.missions.water_ahead import recognised_ahead_m
 from uwsim.scenario.build.multibeam import multibeam_model
 from uwsim.scenario.build.scale import size_text
-from uwsim.scenario.build.short_waves import RISING_SHARE
+from uwsim.scenario.build.wind import RISING_SHARE
 from uwsim.simulator.simulator import Simulator
 
 SIGHT_M = 3.0

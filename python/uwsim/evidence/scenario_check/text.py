@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from uwsim.evidence.scenario_check.report import CheckReport
 from uwsim.evidence.scenario_check.scene import ObstacleScene, Scene, VehicleScene
 from uwsim.evidence.vehicle.text import vehicle_lines
-from uwsim.scenario.build.control import floating_text
+from uwsim.scenario.build.craft import floating_text
 
 
 def report_lines(report: CheckReport) -> list[str]:

@@ -12,8 +12,8 @@ import numpy as np
 
 from uwsim import _core
 from uwsim.evidence.validate.check import Check, relative
-from uwsim.scenario.build.link import modem_spec
-from uwsim.scenario.spec.modem import load_modem
+from uwsim.scenario.build.station import modem_spec
+from uwsim.scenario.spec.link import load_modem
 
 
 def run() -> list[Check]:

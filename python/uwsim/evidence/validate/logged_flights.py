@@ -15,8 +15,8 @@ from uwsim.recording.real_flights.beside import ERRORS, SIMPLEST, fly_beside
 from uwsim.recording.real_flights.motion import motion_of
 from uwsim.recording.real_flights.read import read_flight
 from uwsim.scenario import load_vehicle
+from uwsim.scenario.read.spec_file import read_yaml
 from uwsim.scenario.read.validated import validated
-from uwsim.scenario.read.yaml_file import read_yaml
 from uwsim.scenario.spec.fields import InRange, Model
 
 LIST = "flights.yaml"

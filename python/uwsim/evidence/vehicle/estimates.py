@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.exchange.hulls.hull_drag import corners_and_crossed, hull_drag
-from uwsim.scenario.build.potential_flow import added_mass_by_steps, added_mass_of_ellipsoid
+from uwsim.scenario.build.hydrodynamics import added_mass_by_steps, added_mass_of_ellipsoid
 
 Floats = NDArray[np.float64]
 

@@ -14,8 +14,8 @@ from uwsim.evidence.vehicle.linear_motion import course_growth_1_s, model_motion
 from uwsim.evidence.vehicle.trials import Slip, StraightRun, slip, straight_run
 from uwsim.evidence.vehicle.views import Mount, mounts
 from uwsim.scenario import ScenarioError
-from uwsim.scenario.build.ballast import mass_with_ballast, trim_weights
-from uwsim.scenario.build.gravity import STANDARD_M_S2
+from uwsim.scenario.build.craft import mass_with_ballast, trim_weights
+from uwsim.scenario.build.earth import STANDARD_M_S2
 from uwsim.scenario.build.hull import RigidBody, rigid_body, vehicle_hull
 from uwsim.scenario.spec.vehicle import Trim, VehicleModel
 

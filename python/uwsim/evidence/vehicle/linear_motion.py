@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from uwsim import _core
 from uwsim.base.axes import AXES
-from uwsim.scenario.build.actuator import actuators_spec
 from uwsim.scenario.build.craft import craft, mass_properties
+from uwsim.scenario.build.equipment import actuators_spec
 from uwsim.scenario.spec.vehicle import Trim, VehicleModel
 
 Floats = NDArray[np.float64]

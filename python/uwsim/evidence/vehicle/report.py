@@ -15,7 +15,7 @@ from uwsim.evidence.vehicle.linear_motion import Mode, model_motion, modes
 from uwsim.evidence.vehicle.sheets import beside_makers
 from uwsim.evidence.vehicle.trials import TurningCircle, terminal_speeds, turning_circles
 from uwsim.evidence.vehicle.views import FieldOfView, fields_of_view
-from uwsim.scenario.build.actuator import actuators_spec
+from uwsim.scenario.build.equipment import actuators_spec
 from uwsim.scenario.build.hull import vehicle_hull
 from uwsim.scenario.spec.vehicle import VehicleModel
 from uwsim.simulator.simulator import Simulator

@@ -18,7 +18,7 @@ from uwsim.evidence.vehicle.surprises import attitude_text, straight_text
 from uwsim.evidence.vehicle.trials import RUN_S, Slip
 from uwsim.exchange.hulls.draft import SLIP_M_S, SLIP_SHORT_S
 from uwsim.exchange.hulls.hull_drag import ACROSS
-from uwsim.scenario.build.control import floating_text
+from uwsim.scenario.build.craft import floating_text
 from uwsim.scenario.build.scale import size_text
 
 LIKELY = (1.0 / 3.0, 3.0)

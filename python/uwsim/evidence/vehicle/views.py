@@ -14,7 +14,7 @@ from uwsim import _core
 from uwsim.base.quaternions import of_yaw_pitch_roll_deg, turned
 from uwsim.instruments.sonars.imaging import Acoustics, ForwardLooking, SideScan
 from uwsim.scenario.build.hull import hull_scene, vehicle_hull
-from uwsim.scenario.spec.imaging_kind import core_kind, imaging_kind
+from uwsim.scenario.spec.imaging_sonar import core_kind, imaging_kind
 from uwsim.scenario.spec.sensor import SensorMount
 from uwsim.scenario.spec.vehicle import VehicleModel
 from uwsim.simulator.simulator import Simulator

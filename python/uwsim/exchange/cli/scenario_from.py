@@ -10,7 +10,7 @@ from typing import Annotated, Literal
 import typer
 
 from uwsim.base.options import OptionError
-from uwsim.cli.bounds import within
+from uwsim.cli.values import within
 
 RARE_S = 2.0
 """Between two lines on progress, and before the first."""

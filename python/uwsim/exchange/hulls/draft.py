@@ -16,7 +16,7 @@ from uwsim import _core
 from uwsim.base.axes import AXES
 from uwsim.exchange.hulls.draft_actuators import ACCELERATION_M_S2, Body, Thrust, proposed_fins, proposed_thrusters
 from uwsim.exchange.hulls.hull_drag import hull_drag
-from uwsim.scenario.build.potential_flow import COARSE, GIVEN_MAX, added_mass_by_steps
+from uwsim.scenario.build.hydrodynamics import COARSE, GIVEN_MAX, added_mass_by_steps
 from uwsim.scenario.build.scale import METRES, likely_units, size_text
 from uwsim.scenario.read.errors import RepairWarning, ScenarioError
 from uwsim.scenario.read.mesh_file import Forward, Up, load_mesh, own_up, turned_to_x

@@ -12,10 +12,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from uwsim.base.arrays import Floats
 from uwsim.mapping.files.georeference import metres_per_degree
 from uwsim.recording.real_flights.flight_log import (
     QUANTITIES,
-    Array,
     FlightLog,
     Series,
     attitude_from_ned,
@@ -24,7 +24,7 @@ from uwsim.recording.real_flights.flight_log import (
     world_from_ned,
 )
 
-Rows = Mapping[str, tuple[Array, Array]]
+Rows = Mapping[str, tuple[Floats, Floats]]
 """By message: times [s] (n,) and its fields (n, k), in the order of `fields_of`."""
 HORIZONTAL_VELOCITY, RELATIVE, ABSOLUTE, CONSTANT = 2, 8, 16, 128
 """Bits of the filter's status (nav_filter_status; EKF_STATUS_FLAGS): which horizontal quantities it knows."""
@@ -39,14 +39,14 @@ class Source(NamedTuple):
     message: str
     fields: tuple[str, ...]
     unit: str
-    make: Callable[[Array], Array]
+    make: Callable[[Floats], Floats]
     assumed: str = ""
 
 
-def _placed(scale: float, metres: float) -> Callable[[Array], Array]:
+def _placed(scale: float, metres: float) -> Callable[[Floats], Floats]:
     """Return a converter of latitude, longitude and altitude to metres from the first row."""
 
-    def make(values: Array) -> Array:
+    def make(values: Floats) -> Floats:
         lat, lon = values[:, 0] * scale, values[:, 1] * scale
         unknown = (lat == 0) & (lon == 0)
         lat, lon = np.where(unknown, np.nan, lat), np.where(unknown, np.nan, lon)
@@ -58,26 +58,26 @@ def _placed(scale: float, metres: float) -> Callable[[Array], Array]:
     return make
 
 
-def _degrees(scale: float) -> Callable[[Array], Array]:
+def _degrees(scale: float) -> Callable[[Floats], Floats]:
     """Return a converter of latitude and longitude; both are 0 where there is no fix."""
     return lambda values: np.where((values != 0).any(axis=1)[:, None], values * scale, np.nan)
 
 
-def _below(values: Array) -> Array:
+def _below(values: Floats) -> Floats:
     """Return ranges [m] of a rangefinder [cm]; NaN where it looks elsewhere than down."""
     return np.where(values[:, 1:] == DOWN, _ranges(0.01 * values[:, :1]), np.nan)
 
 
-def _ranges(values: Array) -> Array:
+def _ranges(values: Floats) -> Floats:
     return np.where(values > 0, values, np.nan)
 
 
-def _pulses(values: Array) -> Array:
+def _pulses(values: Floats) -> Floats:
     """Return pulse widths; 0, of an output that is not used, is NaN."""
     return np.where((values >= PULSE_US[0]) & (values <= PULSE_US[1]), values, np.nan)
 
 
-def _depth_of_altitude(values: Array) -> Array:
+def _depth_of_altitude(values: Floats) -> Floats:
     return -values
 
 
@@ -166,7 +166,7 @@ def flight_of(
     )
 
 
-def _known(quantity: str, times_s: Array, status_times_s: Array, status: Array) -> Array:
+def _known(quantity: str, times_s: Floats, status_times_s: Floats, status: Floats) -> Floats:
     """Return in which rows the filter knows a horizontal quantity, rather than taking the vehicle to be at rest."""
     bits = np.nan_to_num(status[:, 0]).astype(np.int64)
     wanted = HORIZONTAL_VELOCITY if quantity == "velocity" else RELATIVE | ABSOLUTE

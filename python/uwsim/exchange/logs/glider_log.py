@@ -13,11 +13,11 @@ from typing import Any
 
 import numpy as np
 
+from uwsim.base.arrays import Floats
 from uwsim.recording.real_flights.flight_log import (
     LONGEST_S,
     MOST_BYTES,
     MOST_ROWS,
-    Array,
     FlightLog,
     Series,
     attitude_from_ned,
@@ -54,7 +54,7 @@ def read_glider(path: Path) -> FlightLog:
 def flight_of(path: Path, log: Any, failure: type[Exception]) -> FlightLog:
     """Return the log of an open file. failure: what its `get` raises for a name that it lacks. Raises ValueError."""
 
-    def of(name: str) -> tuple[Array, Array] | None:
+    def of(name: str) -> tuple[Floats, Floats] | None:
         try:
             times_s, values = log.get(name)
         except failure:
@@ -63,7 +63,7 @@ def flight_of(path: Path, log: Any, failure: type[Exception]) -> FlightLog:
         values = np.unwrap(values) if name == "m_heading" else values
         return (times_s, values) if 1 < len(times_s) <= MOST_ROWS and np.ptp(times_s) <= LONGEST_S else None
 
-    def together(names: tuple[str, ...]) -> tuple[Array, Array] | None:
+    def together(names: tuple[str, ...]) -> tuple[Floats, Floats] | None:
         """Return times and values (n, k), interpolated between those of the first."""
         found = [of(name) for name in names]
         if any(each is None for each in found):
@@ -74,7 +74,7 @@ def flight_of(path: Path, log: Any, failure: type[Exception]) -> FlightLog:
 
     series: dict[str, Series] = {}
 
-    def take(quantity: str, found: tuple[Array, Array] | None, source: str, names: tuple[str, ...] = ()) -> None:
+    def take(quantity: str, found: tuple[Floats, Floats] | None, source: str, names: tuple[str, ...] = ()) -> None:
         if found is not None and (made := series_of(path, found[0], found[1], source, names)) is not None:
             series[quantity] = made
 
@@ -99,7 +99,7 @@ def flight_of(path: Path, log: Any, failure: type[Exception]) -> FlightLog:
     return FlightLog(path, KIND, series, assumed=tuple(assumed))
 
 
-def _closer(times_s: Array) -> Array:
+def _closer(times_s: Floats) -> Floats:
     """Return times (n,) with others between those that are at most LONG_GAP_S apart."""
     gaps_s = np.diff(times_s)
     counts = np.where(gaps_s <= LONG_GAP_S, np.ceil(gaps_s / APART_S), 1.0)

@@ -26,8 +26,8 @@ from uwsim.recording.real_flights.motion import MotionLog, motion_of, sampled
 from uwsim.recording.real_flights.read import read_flight
 from uwsim.scenario import VehicleModel
 from uwsim.scenario.read.contained import run_contained
+from uwsim.scenario.read.spec_file import read_yaml
 from uwsim.scenario.read.validated import validated
-from uwsim.scenario.read.yaml_file import read_yaml
 from uwsim.scenario.spec.fields import InRange, Model, broken
 
 Array = NDArray[np.float64]

@@ -10,10 +10,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.base.arrays import Floats
 from uwsim.base.extras import need_extra
 from uwsim.channels.ros import build
 from uwsim.recording.foreign_bag import METADATA, foreign_bag, opened_bag
-from uwsim.recording.real_flights.flight_log import MOST_ROWS, QUANTITIES, Array, FlightLog, Series, series_of
+from uwsim.recording.real_flights.flight_log import MOST_ROWS, QUANTITIES, FlightLog, Series, series_of
 from uwsim.scenario.read.contained import run_contained
 
 KIND = "a ROS bag"
@@ -96,7 +97,7 @@ def read(path: str) -> dict[str, NDArray[Any]]:
 def _read(bag: Any, path: Path) -> FlightLog:
     found: dict[str, Series] = {}
     assumed: list[str] = []
-    tables: dict[tuple[str, str], Array] = {}
+    tables: dict[tuple[str, str], Floats] = {}
     for each in READS:
         topic = _topic_of(bag, each)
         if each.quantity in found or topic is None:
@@ -127,7 +128,7 @@ def _topic_of(bag: Any, wanted: Read) -> str | None:
     return counts.most_common(1)[0][0] if counts and counts.most_common(1)[0][1] else None
 
 
-def _table(bag: Any, path: Path, topic: str, wanted: Read) -> Array:
+def _table(bag: Any, path: Path, topic: str, wanted: Read) -> Floats:
     """Return times [s] and numbers of a topic's messages, those as wide as the first."""
     rows: dict[int, list[list[float]]] = defaultdict(list)
     connections = [each for each in bag.connections if each.topic == topic]

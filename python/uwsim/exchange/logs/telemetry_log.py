@@ -15,11 +15,12 @@ from typing import Any
 
 import numpy as np
 
+from uwsim.base.arrays import Floats
 from uwsim.base.extras import need_extra
 from uwsim.base.texts.text_file import read_limited
 from uwsim.exchange.logs.autopilot import TELEMETRY, fields_of, flight_of
 from uwsim.exchange.logs.dataflash import EVENTS_MAX
-from uwsim.recording.real_flights.flight_log import MOST_BYTES, MOST_ROWS, Array, FlightLog
+from uwsim.recording.real_flights.flight_log import MOST_BYTES, MOST_ROWS, FlightLog
 
 KIND = "a telemetry log (.tlog)"
 STAMP = 8
@@ -122,12 +123,12 @@ def _own_s(message: Any) -> float:
     return 1e-6 * float(message.time_usec) if hasattr(message, "time_usec") else np.nan
 
 
-def _arrival_less_own(attitude: Array | None) -> float:
+def _arrival_less_own(attitude: Floats | None) -> float:
     """Return how much later messages arrive, by the log's clock, than they state: 0 if unknown."""
     return 0.0 if attitude is None or not len(attitude) else float(np.median(attitude[:, 0] - attitude[:, 1]))
 
 
-def _times_s(table: Array, delay_s: float) -> Array:
+def _times_s(table: Floats, delay_s: float) -> Floats:
     """Return the times that messages state, as time since boot, or else those of their arrival."""
     arrived_s, own_s = table[:, 0] - delay_s, table[:, 1]
     own_s = np.where(own_s > AT_REST_S, own_s - delay_s, own_s)

@@ -9,7 +9,7 @@ import numpy as np
 
 from uwsim.exchange.robots.robot import SENSES, Found, Robot, plain_name
 from uwsim.exchange.robots.xml_file import Element, Floats, Pose, yaw_pitch_roll_deg
-from uwsim.scenario.spec.imaging_kind import imaging_kind
+from uwsim.scenario.spec.imaging_sonar import imaging_kind
 
 Errors = dict[str, dict[str, Any]]
 RATES_HZ = (0.1, 1000.0)

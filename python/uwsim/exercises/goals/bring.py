@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import StrictBool
 
-from uwsim.base.did_you_mean import did_you_mean
+from uwsim.base.named import did_you_mean
 from uwsim.exercises.goal import Duration, GoalModel, Within
 from uwsim.exercises.moment import Floats, Moment
 from uwsim.scenario.spec.fields import InRange, Name, Point3

@@ -11,10 +11,10 @@ from pydantic import Field
 from uwsim.exercises.goal import Progress
 from uwsim.exercises.goals.look_at import Sight
 from uwsim.exercises.moment import Moment
-from uwsim.scenario.build.obstacles import obstacle_parts
+from uwsim.scenario.build.solids import obstacle_parts
 from uwsim.scenario.build.terrain import build_terrain
 from uwsim.scenario.spec.fields import Name
-from uwsim.scenario.spec.part import places_by_kind
+from uwsim.scenario.spec.obstacle import places_by_kind
 from uwsim.simulator.simulator import Simulator
 
 ORDINARY = ("anode", "joint")

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 from pydantic import model_validator
 
-from uwsim.base.did_you_mean import did_you_mean
+from uwsim.base.named import did_you_mean
 from uwsim.exercises.goal import GoalModel, Progress
 from uwsim.exercises.moment import Moment
 from uwsim.scenario.spec.fields import InRange, Name, broken

@@ -14,15 +14,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.base import quaternions
+from uwsim.base.arrays import Floats
 from uwsim.base.atomic_file import write_atomically
 from uwsim.base.motion import Pose, Velocity
 from uwsim.base.sealed import Attached
 from uwsim.base.short_repr import ShortRepr
 from uwsim.instruments.acoustics.pinger_sound import Burst, PingerSound, tone
 from uwsim.instruments.errors import normal_draws
-from uwsim.scenario.spec.hydrophones import HydrophoneArray
+from uwsim.scenario.spec.pinger import HydrophoneArray
 
-Floats = NDArray[np.float64]
 COUNTS = 32768
 
 

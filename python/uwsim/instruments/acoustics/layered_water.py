@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from uwsim import _core
+from uwsim.base.arrays import Floats
 from uwsim.base.short_repr import ShortRepr
 from uwsim.scenario.spec.link import BOTTOMS
 
-Floats = NDArray[np.float64]
 Counts = NDArray[np.int64]
 
 

@@ -14,13 +14,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from uwsim import _core
+from uwsim.base.arrays import Floats
 from uwsim.scenario.spec.link import BOTTOMS
 from uwsim.scenario.spec.pinger import Pinger, Pool, Sound
 
-Floats = NDArray[np.float64]
 WITHIN_DB = 40.0
 """Arrivals in open water that are weaker than the strongest by more are left out."""
 MOST_BOUNCES = 8

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from uwsim import _core
+from uwsim.base.arrays import Floats
 from uwsim.instruments.acoustics.layered_water import Arrivals, arrivals
 from uwsim.scenario import Scenario
 from uwsim.scenario.build.world import build_world
@@ -19,7 +19,6 @@ FLAT = 0.05
 BED_POINTS = 65
 LEVELS = 513
 
-Floats = NDArray[np.float64]
 Point = tuple[float, float, float]
 
 

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from uwsim import _core
 from uwsim.base.arguments import number
+from uwsim.base.arrays import Floats
 from uwsim.base.quaternions import about_y, about_z, heading_rad, matrix, product
 from uwsim.base.sealed import Attached
 from uwsim.instruments.cameras.effects import EFFECTS, effects_on
@@ -16,11 +17,9 @@ from uwsim.instruments.cameras.frame import CameraInfo, Frame
 from uwsim.instruments.cameras.lens import Lens
 from uwsim.instruments.cameras.pan_tilt import PanTiltHead
 from uwsim.instruments.cameras.shared_scene import SharedScene, Snapshot
-from uwsim.scenario.build.camera import mount_orientation_xyzw
-from uwsim.scenario.build.optics import core_optics
+from uwsim.scenario.build.camera import core_optics, mount_orientation_xyzw
 from uwsim.scenario.spec.camera import LARGEST_SIDE, CameraMount
 
-Floats = NDArray[np.float64]
 CLEARANCE_M = 0.3  # minimum height above the ground of a camera that follows a vehicle's heading
 Carrier = int | tuple[Floats, Floats]
 """The carrier of a camera: a vehicle's index, or a fixed pose as position (3,) and orientation x, y, z, w (4,)."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable
 
 from uwsim import _core
-from uwsim.base.did_you_mean import did_you_mean
+from uwsim.base.named import did_you_mean
 
 EFFECTS: tuple[str, ...] = tuple(_core.effect_names())
 """All effects: attenuation, backscatter, sunlight (daylight attenuated by Kd and refracted at the surface), surface

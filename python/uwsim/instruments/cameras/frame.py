@@ -9,11 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.base.arrays import Floats
 from uwsim.base.atomic_file import write_atomically
 from uwsim.base.npz import npz_bytes
 from uwsim.instruments.cameras.image_file import check_suffix, encode_jpeg, encode_png, write_image
-
-Floats = NDArray[np.float64]
 
 MOUNT_FROM_OPTICAL = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
 """Rotation from the optical frame (x right, y down, z ahead) to the camera's frame (x ahead, y left, z up)."""

@@ -5,18 +5,16 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from uwsim import _core
+from uwsim.base.arrays import Floats
 from uwsim.base.journal import Journal
 from uwsim.base.quaternions import about_z
 from uwsim.base.sealed import Attached
 from uwsim.scenario.build.camera import core_lamp, mount_orientation_xyzw
 from uwsim.scenario.build.station import in_world
 from uwsim.scenario.spec.camera import Lamps
-from uwsim.scenario.spec.station import Station
-
-Floats = NDArray[np.float64]
+from uwsim.scenario.spec.settings import Station
 
 
 class Lamp(Attached):

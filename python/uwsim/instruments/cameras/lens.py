@@ -9,11 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim import _core
+from uwsim.base.arrays import Floats
 from uwsim.instruments.cameras.frame import CameraInfo
 from uwsim.scenario.build.camera import core_camera, intrinsic_matrix
 from uwsim.scenario.spec.camera import CameraMount
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(eq=False)

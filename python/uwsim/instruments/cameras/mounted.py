@@ -13,7 +13,7 @@ from uwsim.instruments.cameras.camera import Camera
 from uwsim.instruments.cameras.shared_scene import SharedScene
 from uwsim.scenario.build.camera import chase_camera
 from uwsim.scenario.spec.camera import CameraMount
-from uwsim.scenario.spec.station import Station
+from uwsim.scenario.spec.settings import Station
 from uwsim.scenario.spec.vehicle import VehicleModel
 from uwsim.scenario.spec.vehicle_entry import VehicleEntry
 

@@ -6,8 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.base import lens_model
-
-Floats = NDArray[np.float64]
+from uwsim.base.arrays import Floats
 
 
 def rectify(rgb: NDArray[np.uint8], k: Floats, d: Floats, p: Floats) -> NDArray[np.uint8]:

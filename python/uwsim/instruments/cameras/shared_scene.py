@@ -8,17 +8,15 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from uwsim import _core
+from uwsim.base.arrays import Floats
 from uwsim.base.journal import Journal
 from uwsim.instruments.cameras.lamp import Lamp, station_lights
 from uwsim.instruments.cameras.pan_tilt import PanTiltHead
 from uwsim.scenario import Scenario, vehicle_hull
-from uwsim.scenario.build.camera_scene import camera_scene
+from uwsim.scenario.build.camera import camera_scene
 from uwsim.scenario.spec.optics import Optics
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,13 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim import _core
+from uwsim.base.arrays import Floats
 from uwsim.instruments.cameras.camera import Camera
 from uwsim.instruments.cameras.lens import Lens
-from uwsim.scenario.build.camera import core_lamp, mount_orientation_xyzw
-from uwsim.scenario.build.optics import core_optics
+from uwsim.scenario.build.camera import core_lamp, core_optics, mount_orientation_xyzw
 from uwsim.scenario.spec.camera import CameraMount, Lamps
 
-Floats = NDArray[np.float64]
 MOST_KEPT = 4096
 
 

@@ -9,12 +9,12 @@ from typing import Any, Protocol, cast
 from numpy.typing import ArrayLike
 
 from uwsim import _core
+from uwsim.base.arrays import Floats
 from uwsim.base.sealed import Attached
 from uwsim.instruments.sonars import imaging
 from uwsim.instruments.sonars.imaging import (
     Acoustics,
     ForwardLooking,
-    Matrix,
     Profiles,
     SideScan,
     SingleBeam,
@@ -22,8 +22,7 @@ from uwsim.instruments.sonars.imaging import (
     Waterfall,
 )
 from uwsim.instruments.sonars.surroundings import Surroundings
-from uwsim.scenario.spec.imaging_kind import imaging_kind
-from uwsim.scenario.spec.imaging_sonar import ImagingMount
+from uwsim.scenario.spec.imaging_sonar import ImagingMount, imaging_kind
 from uwsim.scenario.spec.vehicle_entry import VehicleEntry
 
 
@@ -64,7 +63,7 @@ class ImagingSonar(Attached):
         self.__dict__["model"] = model
 
     @property
-    def world_from_sonar(self) -> Matrix:
+    def world_from_sonar(self) -> Floats:
         """The sonar's current pose, (4, 4)."""
         return imaging.checked_pose(self._sim.vehicles[self._vehicle].pose.world_from_body @ self._body_from_sonar)
 

@@ -19,7 +19,7 @@ from uwsim.mapping.ping_to_map import PingToMap
 
 
 class ChainOf(Protocol):
-    """Returns the chain from a multibeam's pings to a map; see uwsim.scenario.build.ping_chain."""
+    """Returns the chain from a multibeam's pings to a map; see uwsim.scenario.build.multibeam."""
 
     def __call__(
         self, model: _core.MultibeamModel, *, in_physics: bool, outlier_filter: bool | None, voxel_m: float | None

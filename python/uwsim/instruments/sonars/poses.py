@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from uwsim.base import quaternions
+from uwsim.base.arrays import Floats
 from uwsim.base.quaternions import about_x, about_y, about_z, product
-
-Matrix = NDArray[np.float64]
 
 POSE_TOLERANCE = 1e-6  # maximum deviation of a pose's rotation from orthogonality
 
@@ -21,7 +20,7 @@ def pose_matrix(
     yaw_rad: float = 0.0,
     pitch_rad: float = 0.0,
     roll_rad: float = 0.0,
-) -> Matrix:
+) -> Floats:
     """Return the pose (4, 4) with this position, rotated about z, then the new y (nose down), then the new x.
 
     Raises ValueError if a value is not finite.
@@ -36,7 +35,7 @@ def pose_matrix(
     return checked_pose(matrix)
 
 
-def checked_pose(pose: ArrayLike, name: str = "world_from_sonar") -> Matrix:
+def checked_pose(pose: ArrayLike, name: str = "world_from_sonar") -> Floats:
     """Return the pose as (4, 4) float64. Raises ValueError unless its rotation and position are finite and valid."""
     matrix = np.asarray(pose, np.float64)
     if matrix.shape != (4, 4):
@@ -50,7 +49,7 @@ def checked_pose(pose: ArrayLike, name: str = "world_from_sonar") -> Matrix:
     return matrix
 
 
-def split_poses(poses: Matrix) -> tuple[Matrix, Matrix]:
+def split_poses(poses: Floats) -> tuple[Floats, Floats]:
     """Return the positions (n, 3) and quaternions (n, 4) of poses (n, 4, 4), for the native core."""
     from scipy.spatial.transform import Rotation  # slow to import
 

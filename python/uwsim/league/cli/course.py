@@ -8,12 +8,10 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from uwsim.campaigns.workers.options import RetriedOptions
-from uwsim.cli.bounds import readable, within, writable
 from uwsim.cli.exit_codes import FAILED, INCOMPLETE, INTERRUPTED
 from uwsim.cli.groups import show_help
-from uwsim.cli.options import SETTINGS, AsJson, print_json
-from uwsim.cli.seeds import seeds_in
-from uwsim.cli.values import exercises
+from uwsim.cli.options import SETTINGS, AsJson, print_json, seeds_in
+from uwsim.cli.values import exercises, readable, within, writable
 
 if TYPE_CHECKING:
     from uwsim.league.score import Scored

@@ -13,7 +13,7 @@ from uwsim.channels import Channel
 from uwsim.channels.ros.cdr import encode
 from uwsim.channels.ros.messages import from_bytes
 from uwsim.link.packing import panels, pings, poses, short_panel, thumbnails
-from uwsim.scenario.spec.modem import ModemModel
+from uwsim.scenario.spec.link import ModemModel
 
 
 class Packing(NamedTuple):

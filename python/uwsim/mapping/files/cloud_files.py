@@ -17,13 +17,12 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from uwsim.base.arrays import Floats
 from uwsim.base.atomic_file import write_atomically
-from uwsim.base.cut_short import warn_if_cut_short
+from uwsim.base.caught_warnings import warn_if_cut_short
 from uwsim.base.texts.text_file import require_regular
 from uwsim.mapping.files.formats import CLOUD_FORMATS, CloudFormat, placed_clouds
 from uwsim.mapping.files.georeference import Georeference
-
-Points = NDArray[np.float64]
 
 MAX_HEADER = 65_536
 
@@ -48,7 +47,7 @@ def write_cloud(path: str | os.PathLike[str], points_m: ArrayLike, place: Georef
     write_atomically(target, data)
 
 
-def read_cloud(path: str | os.PathLike[str]) -> Points:
+def read_cloud(path: str | os.PathLike[str]) -> Floats:
     """Return the points in a file, (n, 3) float64, except non-finite ones, which PCL writes for missing echoes.
 
     Warns if the last line of a text file has no line break. Raises OSError if the file cannot be read, ValueError if it
@@ -64,7 +63,7 @@ def read_cloud(path: str | os.PathLike[str]) -> Points:
     return points[np.isfinite(points).all(axis=1)]
 
 
-def seen_from(path: Path) -> Points | None:
+def seen_from(path: Path) -> Floats | None:
     """Return where the points of a file were seen from, (3,), if it states that. Raises as `read_cloud` does."""
     found = _format_of(path).seen_from
     if found is None:

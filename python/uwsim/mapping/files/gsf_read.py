@@ -23,7 +23,7 @@ import numpy as np
 from GSFU import gsfu
 
 from uwsim.base.texts.text_file import first_bytes, require_regular
-from uwsim.mapping.files.swath import Array, SoundSpeeds, SurveyHead, Swath
+from uwsim.mapping.files.swath import Floats, SoundSpeeds, SurveyHead, Swath
 from uwsim.mapping.ranging import CONFIDENCE, HORIZONTAL_CONFIDENCE
 
 ERRORS = {"VerticalError_m": CONFIDENCE, "HorizontalError_m": HORIZONTAL_CONFIDENCE}  # at 95 %
@@ -40,10 +40,10 @@ REQUIRED = ("TravelTime_s", "BeamAngle_deg", "Depth_m", "AcrossTrack_m")
 class Attitudes:
     """The file's attitudes: time_s (n,) since 1970, increasing; roll, pitch and unwrapped heading (n, 3) in rad."""
 
-    time_s: Array
-    angles_rad: Array
+    time_s: Floats
+    angles_rad: Floats
 
-    def at(self, times_s: Array) -> Array | None:
+    def at(self, times_s: Floats) -> Floats | None:
         """Return roll, pitch, heading at times, (k, 3); None if the file does not cover them."""
         if not len(self.time_s) or times_s.min() < self.time_s[0] - 1.0 or times_s.max() > self.time_s[-1] + 1.0:
             return None
@@ -103,7 +103,7 @@ class _named:  # noqa: N801  # a context manager
             raise ValueError(f"'{self._path}': at byte {self._offset()}: not a GSF record: {rule}") from None
 
 
-def _offset(text: str | None) -> Array:
+def _offset(text: str | None) -> Floats:
     """Return forward, starboard, down of the transducer; zeros if the file states none."""
     try:
         values = np.array([float(each) for each in (text or "").split(",")])
@@ -208,7 +208,7 @@ def _swath(record: dict[str, Any], beams: dict[str, Any], head: SurveyHead, atti
     )  # fmt: skip
 
 
-def leveled(offset_m: Array, roll_rad: float, pitch_rad: float) -> Array:
+def leveled(offset_m: Floats, roll_rad: float, pitch_rad: float) -> Floats:
     """Return an offset (3,) in a vehicle's axes (forward, starboard, down) in its level axes."""
     x, y, z = offset_m
     down = y * math.sin(roll_rad) + z * math.cos(roll_rad)
@@ -218,13 +218,13 @@ def leveled(offset_m: Array, roll_rad: float, pitch_rad: float) -> Array:
     ])  # fmt: skip
 
 
-def _directions(from_vertical_rad: Array, azimuth_rad: Array) -> Array:
+def _directions(from_vertical_rad: Floats, azimuth_rad: Floats) -> Floats:
     """Return unit vectors (n, 3), level axes, from angles from the vertical and azimuths from starboard to forward."""
     flat = np.sin(from_vertical_rad)
     return np.column_stack([flat * np.sin(azimuth_rad), flat * np.cos(azimuth_rad), np.cos(from_vertical_rad)])
 
 
-def _received(angle_rad: Array, received_rad: Array, ray_m: Array, speed_ratio: float) -> Array:
+def _received(angle_rad: Floats, received_rad: Floats, ray_m: Floats, speed_ratio: float) -> Floats:
     """Return unit vectors (n, 3), level axes at transmission, of beams formed at reception.
 
     angle_rad (n,): about the array, positive to port. received_rad (n, 3): roll, pitch and turn since transmission.

@@ -19,7 +19,7 @@ import numpy as np
 
 from uwsim.base.texts.text_file import require_regular
 from uwsim.mapping.files import kmall_layout as layout
-from uwsim.mapping.files.swath import Array, SoundSpeeds, SurveyFormat, SurveyHead, Swath
+from uwsim.mapping.files.swath import Floats, SoundSpeeds, SurveyFormat, SurveyHead, Swath
 
 SIMULATOR = 100
 """Added to the detection mode of a simulator's pings."""
@@ -60,10 +60,10 @@ class _Bytes:
 class Attitudes:
     """Attitudes of the vehicle: time_s (n,) since 1970, increasing; roll, pitch, unwrapped heading (n, 3) in rad."""
 
-    time_s: Array
-    angles_rad: Array
+    time_s: Floats
+    angles_rad: Floats
 
-    def at(self, times_s: Array) -> Array:
+    def at(self, times_s: Floats) -> Floats:
         """Return roll, pitch and heading at times (k,), those at the ends beyond them: (k, 3)."""
         return np.column_stack([np.interp(times_s, self.time_s, each) for each in self.angles_rad.T])
 
@@ -75,7 +75,7 @@ class _Survey:
     installed: dict[str, dict[str, str]]
     profile: SoundSpeeds
     attitudes: Attitudes
-    fixes: Array
+    fixes: Floats
     """Time, speed and course of each position, (n, 3)."""
 
 
@@ -146,7 +146,7 @@ def _installed(data: _Bytes) -> dict[str, dict[str, str]]:
     return {name: dict(re.findall(r"([A-Z]+)=([^;]*)", values)) for name, values in sections}
 
 
-def _numbers(values: dict[str, str], names: str) -> Array:
+def _numbers(values: dict[str, str], names: str) -> Floats:
     """Return a section's values by their one-letter names, zero where one is missing or not a number."""
     found = np.zeros(len(names))
     for index, name in enumerate(names):
@@ -157,7 +157,7 @@ def _numbers(values: dict[str, str], names: str) -> Array:
     return np.where(np.isfinite(found), found, 0.0)
 
 
-def _mounted(installed: dict[str, dict[str, str]], array: str, number: int) -> tuple[Array, Array]:
+def _mounted(installed: dict[str, dict[str, str]], array: str, number: int) -> tuple[Floats, Floats]:
     """Return offset [m] and roll, pitch and heading [rad] of an array, TX or RX, or of the head that has both."""
     values = installed.get(f"TRAI_{array}{number}") or installed.get(f"TRAI_HD{number}") or {}
     return _numbers(values, "XYZ"), np.radians(_numbers(values, "RPH"))
@@ -199,7 +199,7 @@ def _attitudes(path: Path, places: list[tuple[int, int]], installed: dict[str, d
     return Attitudes(times, angles)
 
 
-def _fixes(path: Path, places: list[tuple[int, int]]) -> Array:
+def _fixes(path: Path, places: list[tuple[int, int]]) -> Floats:
     found = [
         (_time_s(header), float(fix["speed_m_s"]), math.radians(float(fix["course_deg"])))
         for header, data in _datagrams(path, places)
@@ -208,7 +208,7 @@ def _fixes(path: Path, places: list[tuple[int, int]]) -> Array:
     return np.array(sorted(found), np.float64).reshape(-1, 3)
 
 
-def _turned(angles_rad: Array) -> Array:
+def _turned(angles_rad: Floats) -> Floats:
     """Return the rotations (n, 3, 3) from forward, starboard, down of a body, for roll, pitch and heading (n, 3)."""
     (cr, cp, ch), (sr, sp, sh) = np.cos(angles_rad).T, np.sin(angles_rad).T
     return np.moveaxis(np.array([
@@ -218,7 +218,7 @@ def _turned(angles_rad: Array) -> Array:
     ]), 2, 0)  # fmt: skip
 
 
-def _angles(rotations: Array) -> Array:
+def _angles(rotations: Floats) -> Floats:
     """Return roll, pitch and heading (n, 3) of rotations (n, 3, 3)."""
     return np.column_stack([
         np.arctan2(rotations[:, 2, 1], rotations[:, 2, 2]), np.arcsin(np.clip(-rotations[:, 2, 0], -1.0, 1.0)),
@@ -286,7 +286,7 @@ def _of_ping(
     soundings = np.column_stack([beams[f"{name}_m"].astype(np.float64) for name in "xyz"])
     soundings[:, 2] += depth_m
 
-    def known(values: Array) -> Array:
+    def known(values: Floats) -> Floats:
         return np.where(seen & (values != 0.0), values.astype(np.float64), np.nan)
 
     return Swath(
@@ -304,7 +304,7 @@ def _of_ping(
     )  # fmt: skip
 
 
-def _where_cones_meet(forward: Array, starboard: Array, ahead: Array, aside: Array) -> Array:
+def _where_cones_meet(forward: Floats, starboard: Floats, ahead: Floats, aside: Floats) -> Floats:
     """Return downward unit vectors d (n, 3) with d . forward = ahead and d . starboard = aside.
 
     forward (3,), starboard (1 or n, 3): unit vectors; ahead, aside (n,). Where cones do not meet, the nearest plane.

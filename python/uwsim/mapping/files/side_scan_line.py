@@ -11,7 +11,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from uwsim.base.arrays import Floats
+
 Levels = NDArray[np.float32]
 
 
@@ -32,7 +33,7 @@ class SideScanHead:
     along_width_rad: float
     vertical_width_rad: float
     depression_rad: float
-    offset_m: Array
+    offset_m: Floats
     comment: str
 
 

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.base.arrays import Floats as Floats
 from uwsim.base.sockets import load
 from uwsim.base.texts.text_file import first_bytes
 
@@ -24,15 +25,14 @@ if TYPE_CHECKING:
 GROUP = "uwsim.kinds.survey_file"
 EPOCH_NS = 1_577_836_800_000_000_000
 """2020-01-01T00:00:00Z, the time of day at which each simulated world begins: the same run writes the same file."""
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
 class SoundSpeeds:
     """A profile of the speed of sound. depths_m (n,), below the water surface, increasing; speeds_m_s (n,)."""
 
-    depths_m: Array
-    speeds_m_s: Array
+    depths_m: Floats
+    speeds_m_s: Floats
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,8 +48,8 @@ class SurveyHead:
     frequency_hz: float
     beams: int
     max_range_m: float
-    offset_m: Array
-    mount_rad: Array
+    offset_m: Floats
+    mount_rad: Floats
     profile: SoundSpeeds
     comment: str
 
@@ -77,15 +77,15 @@ class Swath:
     course_rad: float
     speed_m_s: float
     sound_speed_m_s: float
-    transducer_m: Array
-    travel_time_s: Array
-    axes: Array
-    sounding_m: Array
-    beam_rad: Array
-    amplitude_db: Array
-    vertical_deviation_m: Array
-    horizontal_deviation_m: Array
-    quality: Array
+    transducer_m: Floats
+    travel_time_s: Floats
+    axes: Floats
+    sounding_m: Floats
+    beam_rad: Floats
+    amplitude_db: Floats
+    vertical_deviation_m: Floats
+    horizontal_deviation_m: Floats
+    quality: Floats
     is_phase: NDArray[np.bool_]
 
     @property

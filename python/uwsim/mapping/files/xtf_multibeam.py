@@ -22,7 +22,7 @@ import pyxtf
 
 from uwsim.base.texts.text_file import require_regular
 from uwsim.mapping.files.gsf_read import leveled
-from uwsim.mapping.files.swath import Array, SoundSpeeds, SurveyHead, Swath
+from uwsim.mapping.files.swath import Floats, SoundSpeeds, SurveyHead, Swath
 from uwsim.mapping.files.xtf_read import DEGREES, KNOT_M_S, XtfFile
 
 PROCESSED, QPS = 17, 28
@@ -96,7 +96,7 @@ class _Ping:
         if not (abs(ping.SensorYcoordinate) <= 90.0 and abs(ping.SensorXcoordinate) <= 180.0):
             raise file.refused(at, "latitude and longitude must be within 90 and 180 deg")
 
-    def _values(self, name: str, kind: str) -> Array:
+    def _values(self, name: str, kind: str) -> Floats:
         """Return a value of each beam; nan where it is no number. Raises ValueError beyond its limit."""
         values = self._beams[name].astype(np.float64)
         limit, unit = LIMITS[kind]
@@ -137,7 +137,7 @@ class _Ping:
             horizontal_deviation_m=unknown, quality=unknown, is_phase=np.zeros(len(seen), bool),
         )  # fmt: skip
 
-    def _processed(self, heading: float, depth_m: float) -> Array:
+    def _processed(self, heading: float, depth_m: float) -> Floats:
         """Return the way to each sounding, level axes (n, 3); zero for beams that were filled up, or without depth."""
         north, east = (self._values(f"dPosOffsetTr{axis}", "offset") for axis in "XY")
         down = self._values("fDepth", "depth")
@@ -147,7 +147,7 @@ class _Ping:
         rays[~(down > 0.0)] = 0.0
         return rays
 
-    def _aimed(self, roll: float, pitch: float) -> Array:
+    def _aimed(self, roll: float, pitch: float) -> Floats:
         """Return unit vectors of the beams, level axes (n, 3)."""
         across, tilt = (np.radians(self._values(f"{name}Angle", "angle")) for name in ("Beam", "Tilt"))
         aim = np.array([np.sin(tilt), np.cos(tilt) * np.sin(across), np.cos(tilt) * np.cos(across)])

@@ -13,10 +13,10 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.base.arrays import Floats
 from uwsim.mapping import OccupancyMap
 from uwsim.missions.grid_ways import Grid, GridWays, straightened
 
-Floats = NDArray[np.float64]
 BEYOND_M = 2.0  # how far outside the area paths may lead
 KEEP_M = 3.5  # distance from anything that cannot be passed over
 FINEST_M, MOST_CELLS = 1.0, 300  # minimum edge length of a cell, and maximum number of cells along a side

@@ -6,14 +6,13 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwsim.base.arrays import Floats
 from uwsim.missions.heights import HIGHEST_Z_M
 from uwsim.missions.planners.area_chart import AreaChart
 from uwsim.missions.planners.wayfinder import GRACE_S, Wayfinder
 from uwsim.missions.steps import Steps
 
-Floats = NDArray[np.float64]
 ARRIVED_M = 1.0  # a waypoint counts as reached within this distance
 CLIMB_S = 20.0  # time allowed to climb over an obstacle
 

@@ -14,9 +14,9 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from uwsim.base.arguments import require_positive
+from uwsim.base.arrays import Floats
 from uwsim.mapping import OccupancyMap
 from uwsim.missions.heights import HIGHEST_Z_M
 from uwsim.missions.lanes import Lane, Span, cells_of, ordered, spans
@@ -27,11 +27,8 @@ from uwsim.missions.planners.lane_flight import FlownLanes, fly_lanes
 from uwsim.missions.planners.unknown_water import find_bed
 from uwsim.missions.planners.unseen_patches import look_at_unseen
 from uwsim.missions.planners.wayfinder import PASSABLE_Z_M, Wayfinder
-from uwsim.missions.steps import Steps
-from uwsim.missions.stopped import StoppedError
+from uwsim.missions.steps import Steps, StoppedError
 from uwsim.navigation.sensor_choice import height_above_bed_m
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

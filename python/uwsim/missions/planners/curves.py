@@ -13,19 +13,17 @@ from itertools import pairwise
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import make_interp_spline
 
 from uwsim.base.arguments import require_positive
+from uwsim.base.arrays import Floats
 from uwsim.missions.dubins import dubins_points
 from uwsim.missions.moves import follow, turn_to
 from uwsim.missions.own_vehicle import OwnVehicle
 from uwsim.missions.planners.wayfinder import Wayfinder
-from uwsim.missions.steps import Steps, race, wait
-from uwsim.missions.stopped import StoppedError
+from uwsim.missions.steps import Steps, StoppedError, race, wait
 from uwsim.navigation.sensor_choice import altimeter
 
-Floats = NDArray[np.float64]
 Curve = Literal["dubins", "spline"]
 LOOK_PERIOD_S = 0.2
 UNDER_WAY_M_S = 0.1  # at lower speeds the vehicle is turning on the spot, and objects ahead are not in its way

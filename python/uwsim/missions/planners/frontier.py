@@ -12,14 +12,13 @@ import math
 from dataclasses import dataclass
 
 from uwsim.mapping import OccupancyMap
-from uwsim.missions.lane_lengths import LEAST_FLOWN
+from uwsim.missions.lanes import LEAST_FLOWN
 from uwsim.missions.own_vehicle import OwnVehicle
 from uwsim.missions.planners.cells import Cell, Cells, nearest
 from uwsim.missions.planners.live_map import LOOK_PERIOD_S, LiveMap
 from uwsim.missions.planners.unknown_water import find_bed
 from uwsim.missions.planners.wayfinder import PASSABLE_Z_M, TURN_FIRST_RAD, Wayfinder
-from uwsim.missions.steps import Steps
-from uwsim.missions.stopped import StoppedError
+from uwsim.missions.steps import Steps, StoppedError
 from uwsim.navigation.control.autopilot import wrap_angle
 
 STUCK_S = 30.0  # added to a path's time limit, which is otherwise four times its nominal duration

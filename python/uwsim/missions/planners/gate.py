@@ -13,18 +13,16 @@ from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from uwsim.base.arguments import require_positive
+from uwsim.base.arrays import Floats
+from uwsim.missions.aiming import until_at
 from uwsim.missions.moves import goto, hold, turn_to
 from uwsim.missions.own_vehicle import OwnVehicle
-from uwsim.missions.sonar_head import until_at
-from uwsim.missions.steps import Steps
-from uwsim.missions.stopped import StoppedError
+from uwsim.missions.steps import Steps, StoppedError
 from uwsim.navigation.control.protocols import PingLike
 from uwsim.navigation.sensor_choice import height_above_bed_m
 
-Floats = NDArray[np.float64]
 STAND_OFF_M = 6.0  # in front of and behind the gate
 STEPS_OUT_M = 1.0  # a post is nearer than its surroundings by at least this much
 WIDEST_POST_M = 0.8

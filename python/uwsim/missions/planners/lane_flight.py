@@ -12,16 +12,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from uwsim.missions.lane_lengths import LANE_FLOWN, LANES_FLOWN
-from uwsim.missions.lanes import Lane
+from uwsim.base.arrays import Floats
+from uwsim.missions.lanes import LANE_FLOWN, LANES_FLOWN, Lane
 from uwsim.missions.planners.area_chart import AreaChart
 from uwsim.missions.planners.area_pilot import AreaPilot
 from uwsim.missions.planners.wayfinder import GRACE_S, Wayfinder
 from uwsim.missions.steps import Steps
 
-Floats = NDArray[np.float64]
 POINT_M = 1.0  # distance between the points of a lane
 PASSED_M = 2.0  # a point passed within this distance counts as flown
 AIM_M, LOOK_M = 3.0, 6.0  # distance ahead on the lane to steer for, over which the lane must be open

@@ -14,14 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt
 
+from uwsim.base.arrays import Floats
 from uwsim.mapping import OccupancyMap
 from uwsim.missions.grid_ways import Grid, GridWays, straightened
 from uwsim.missions.moves import goto
 from uwsim.missions.own_vehicle import OwnVehicle
-from uwsim.missions.steps import Steps
-from uwsim.missions.stopped import StoppedError
+from uwsim.missions.steps import Steps, StoppedError
 
-Floats = NDArray[np.float64]
 MOST_VOXELS = 4_000_000
 
 

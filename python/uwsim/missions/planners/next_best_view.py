@@ -21,8 +21,7 @@ from uwsim.missions.own_vehicle import OwnVehicle
 from uwsim.missions.planners.cells import Cells
 from uwsim.missions.planners.live_map import LiveMap
 from uwsim.missions.planners.map_way import go_by_map
-from uwsim.missions.steps import Steps, race, wait
-from uwsim.missions.stopped import StoppedError
+from uwsim.missions.steps import Steps, StoppedError, race, wait
 
 RESOLUTION_M, PING_PERIOD_S, CLEARANCE_M = 0.4, 0.25, 1.2
 VIEW_RANGE_M, HIGH_DEG, VIEWS, DECAY_PER_M = 10.0, 25, 40, 0.05  # higher views would count the air

@@ -11,12 +11,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import median_filter
 
+from uwsim.base.arrays import Floats
 from uwsim.missions.planners.pipe_view import SeenPipe
 
-Floats = NDArray[np.float64]
 STANDS_OUT = 0.35  # minimum height of a bump above the bed, in diameters
 NARROWEST, WIDEST = 0.3, 3.0  # width of a bump, in diameters
 BED_WINDOW = 6.0  # width of the running median, in diameters

@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 from scipy.ndimage import map_coordinates
 
 from uwsim.base import lens_model
+from uwsim.base.arrays import Floats
 from uwsim.missions.vehicle import LensLike, PictureLike
 
-Floats = NDArray[np.float64]
 DIRECTIONS = 36
 CELLS = 8  # across the pipe's width
 # in cells: half the bar's width, and the gap to the strips of half its width on both sides

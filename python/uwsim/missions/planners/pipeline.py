@@ -15,20 +15,18 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from uwsim.base.arguments import require_positive
+from uwsim.base.arrays import Floats
 from uwsim.missions.own_vehicle import OwnVehicle
 from uwsim.missions.planners.pipe_track import PipeTrack
 from uwsim.missions.planners.pipe_view import pipe_in_picture
 from uwsim.missions.planners.unknown_water import find_bed
 from uwsim.missions.planners.wayfinder import Wayfinder
-from uwsim.missions.steps import Steps
-from uwsim.missions.stopped import StoppedError
+from uwsim.missions.steps import Steps, StoppedError
 from uwsim.missions.vehicle import PictureLike
 from uwsim.navigation.sensor_choice import height_above_bed_m
 
-Floats = NDArray[np.float64]
 PING_PERIOD_S, LOOK_PERIOD_S = 0.5, 1.0
 LOOK_PIXELS = 320  # width of the pictures searched for the pipe
 FARTHEST = 1.5  # in multiples of view_m; hits farther away, from too high, would leave a gap in the track

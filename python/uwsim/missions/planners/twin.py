@@ -26,8 +26,7 @@ from uwsim.missions.planners.lane_flight import fly_lanes
 from uwsim.missions.planners.live_map import LiveMap
 from uwsim.missions.planners.unknown_water import find_bed
 from uwsim.missions.planners.wayfinder import PASSABLE_Z_M, Wayfinder
-from uwsim.missions.steps import Steps
-from uwsim.missions.stopped import StoppedError
+from uwsim.missions.steps import Steps, StoppedError
 from uwsim.navigation.control.protocols import PingLike, PoseLike
 
 PING_PERIOD_S = 0.2

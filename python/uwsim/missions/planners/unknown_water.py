@@ -23,8 +23,7 @@ from uwsim.missions.moves import steer
 from uwsim.missions.own_vehicle import OwnVehicle
 from uwsim.missions.planners.cells import Cell, Cells, nearest
 from uwsim.missions.planners.wayfinder import PASSABLE_Z_M, Wayfinder
-from uwsim.missions.steps import Steps
-from uwsim.missions.stopped import StoppedError
+from uwsim.missions.steps import Steps, StoppedError
 from uwsim.navigation.sensor_choice import height_above_bed_m
 
 ECHOES_TO_CLOSE = 4  # this many echoes in one ping close a cell

@@ -12,17 +12,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from uwsim.base.arguments import require_positive
+from uwsim.missions.aiming import until_at
 from uwsim.missions.moves import steer
 from uwsim.missions.own_vehicle import OwnVehicle
-from uwsim.missions.sonar_head import until_at
-from uwsim.missions.steps import Steps
-from uwsim.missions.stopped import StoppedError
+from uwsim.missions.steps import Steps, StoppedError
 from uwsim.navigation.control.autopilot import wrap_angle
 
-Floats = NDArray[np.float64]
 MIDDLE_SHARE = 0.5  # fraction of the fan's beams that count as the middle beams
 FEWEST_ECHOES = 10
 FARTHEST = 2.5  # in multiples of the distance to maintain; anything farther away is not the wall

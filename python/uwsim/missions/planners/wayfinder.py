@@ -6,13 +6,13 @@ import math
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from uwsim.base.arguments import require_positive
+from uwsim.base.arrays import Floats
+from uwsim.missions.aiming import until_at
 from uwsim.missions.heights import HIGHEST_Z_M
 from uwsim.missions.lookout import Lookout
 from uwsim.missions.own_vehicle import OwnVehicle
-from uwsim.missions.sonar_head import until_at
 from uwsim.missions.steps import Steps
 from uwsim.navigation.control.protocols import PingLike
 
@@ -26,7 +26,6 @@ VIEW_S = 12.0  # look-ahead time at which the sonar's fan hits a flat bed
 TURN_FIRST_RAD = math.radians(25.0)
 ECHOES_OF_A_THING = 3  # fewer echoes at the vehicle's height may be false detections
 
-Floats = NDArray[np.float64]
 OnPing = Callable[[PingLike, Floats], object]
 
 

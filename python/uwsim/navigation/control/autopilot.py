@@ -7,14 +7,13 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from uwsim import _core
+from uwsim.base.arrays import Floats
 from uwsim.base.axes import AXES
 from uwsim.base.sealed import Sealed
 from uwsim.navigation.control.protocols import SteeredVehicle
 
-Vector = NDArray[np.float64]
 STEADY_RATE_LOOP = 0.4  # maximum of rate gain x authority x period; see `steady_gains`
 
 
@@ -64,7 +63,7 @@ class Autopilot(Sealed):
         self._gains = gains
         self._core.gains = _core.AutopilotGains(**asdict(gains))
 
-    def steer(self, heading_rad: float, velocity_world_m_s: Sequence[float] | Vector, z_world_m: float) -> None:
+    def steer(self, heading_rad: float, velocity_world_m_s: Sequence[float] | Floats, z_world_m: float) -> None:
         """Set the efforts for one control period from a heading, a horizontal velocity (2,) and a height z."""
         vehicle = self.vehicle
         efforts = self._core.steer(vehicle.pose, vehicle.velocity, heading_rad, velocity_world_m_s, z_world_m)
@@ -83,7 +82,7 @@ class Autopilot(Sealed):
         self._core.integrals = np.array(integrals)
 
 
-def steady_gains(gains: Gains, authority: Vector | None, period_s: float) -> Gains:
+def steady_gains(gains: Gains, authority: Floats | None, period_s: float) -> Gains:
     """Return reduced gains if the vehicle turns too fast for a loop with this period. authority: see Vehicle.
 
     A rate loop sampled with period T is stable if rate gain x authority x T < 2, and does not overshoot well below 1.

@@ -7,13 +7,12 @@ from collections.abc import Sequence
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from uwsim import _core
+from uwsim.base.arrays import Floats
 from uwsim.base.sealed import Sealed
 from uwsim.navigation.control.protocols import EstimateLike, SteeredVehicle
 
-Vector = NDArray[np.float64]
 Efforts = tuple[float, float, float, float, float, float]
 STILL = np.zeros(3)
 
@@ -70,25 +69,25 @@ class Controller(Sealed):
 
     def hold(
         self,
-        position_world_m: Sequence[float] | Vector,
+        position_world_m: Sequence[float] | Floats,
         heading_rad: float,
         *,
         roll_rad: float = 0.0,
         pitch_rad: float = 0.0,
-        velocity_world_m_s: Sequence[float] | Vector = STILL,
+        velocity_world_m_s: Sequence[float] | Floats = STILL,
     ) -> None:
         """Go to a position (3,) and attitude, and hold them. velocity_world_m_s: velocity (3,) of a moving position."""
         efforts = self._reach(position_world_m, velocity_world_m_s, heading_rad, roll_rad, pitch_rad)
         self.vehicle.set_effort(*efforts)
 
-    def hold_efforts(self, position_world_m: Sequence[float] | Vector, heading_rad: float) -> Efforts:
+    def hold_efforts(self, position_world_m: Sequence[float] | Floats, heading_rad: float) -> Efforts:
         """Return the efforts that `hold` would set to keep a place."""
         return self._reach(position_world_m, STILL, heading_rad)
 
     def steer(
         self,
         heading_rad: float,
-        velocity_world_m_s: Sequence[float] | Vector,
+        velocity_world_m_s: Sequence[float] | Floats,
         z_world_m: float | None = None,
         *,
         altitude_m: tuple[float, float] | None = None,
@@ -115,7 +114,7 @@ class Controller(Sealed):
     def steer_efforts(
         self,
         heading_rad: float,
-        velocity_world_m_s: Sequence[float] | Vector,
+        velocity_world_m_s: Sequence[float] | Floats,
         z_world_m: float | None = None,
         *,
         altitude_m: tuple[float, float] | None = None,
@@ -133,11 +132,11 @@ class Controller(Sealed):
             (free, free, z_m), (east, north, 0.0), heading_rad, 0.0, pitch_rad, across_first=across_first
         )
 
-    def velocity(self, velocity_body: Sequence[float] | Vector) -> None:
+    def velocity(self, velocity_body: Sequence[float] | Floats) -> None:
         """Hold a velocity (6,) in body axes [m/s, rad/s], and stay level unless a rate about x or y is commanded."""
         self.vehicle.set_effort(*self.velocity_efforts(velocity_body))
 
-    def velocity_efforts(self, velocity_body: Sequence[float] | Vector) -> Efforts:
+    def velocity_efforts(self, velocity_body: Sequence[float] | Floats) -> Efforts:
         """Return the efforts that `velocity` would set."""
         estimate = self.estimate
         return self._core.hold_velocity(estimate.pose, estimate.velocity, np.asarray(velocity_body, np.float64))
@@ -148,18 +147,18 @@ class Controller(Sealed):
         return self._core.force_share
 
     @property
-    def memory(self) -> Vector:
+    def memory(self) -> Floats:
         """The state kept between periods, (25,): integrals, references and filters, for saving and restoring."""
         return self._core.memory
 
     @memory.setter
-    def memory(self, memory: Sequence[float] | Vector) -> None:
+    def memory(self, memory: Sequence[float] | Floats) -> None:
         self._core.memory = np.asarray(memory, np.float64)
 
     def _reach(
         self,
-        position_world_m: Sequence[float] | Vector,
-        velocity_world_m_s: Sequence[float] | Vector,
+        position_world_m: Sequence[float] | Floats,
+        velocity_world_m_s: Sequence[float] | Floats,
         heading_rad: float,
         roll_rad: float = 0.0,
         pitch_rad: float = 0.0,

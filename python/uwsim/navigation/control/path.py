@@ -5,14 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-import numpy as np
-from numpy.typing import NDArray
-
 from uwsim import _core
+from uwsim.base.arrays import Floats
 from uwsim.base.sealed import Sealed
 from uwsim.navigation.control.controller import Controller
-
-Vector = NDArray[np.float64]
 
 
 class PathFollower(Sealed):
@@ -33,7 +29,7 @@ class PathFollower(Sealed):
     def __init__(
         self,
         controller: Controller,
-        points_m: Sequence[Sequence[float]] | Vector,
+        points_m: Sequence[Sequence[float]] | Floats,
         speed_m_s: float,
         *,
         lookahead_m: float = 3.0,

@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
-
+from uwsim.base.arrays import Floats
 from uwsim.base.axes import AXES
 from uwsim.base.sealed import Sealed
 from uwsim.navigation.control.controller import Controller, ControlSettingsLike
 from uwsim.navigation.control.protocols import SteeredVehicle
-
-Vector = NDArray[np.float64]
 
 
 class VelocityHold(Sealed):
@@ -25,6 +21,6 @@ class VelocityHold(Sealed):
     def __init__(self, vehicle: SteeredVehicle, period_s: float, settings: ControlSettingsLike | None = None) -> None:
         self.controller = Controller(vehicle, period_s, settings=settings)
 
-    def efforts(self, velocity_body: Vector) -> dict[str, float]:
+    def efforts(self, velocity_body: Floats) -> dict[str, float]:
         """Return this period's efforts for a velocity (6,), [m/s] and [rad/s], keyed by axis, each in [-1, 1]."""
         return dict(zip(AXES, self.controller.velocity_efforts(velocity_body), strict=True))

@@ -7,16 +7,15 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from uwsim import _core
+from uwsim.base.arrays import Floats
 from uwsim.navigation.estimation.errors import bias_model, rounding_step, white_std, whole_std
 from uwsim.navigation.estimation.protocols import InstrumentLike, SamplesLike
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
-Array = NDArray[np.float64]
 ATMOSPHERE_PA = 101_325.0
 GHOST_STDS, GHOST_M = 5.0, 10.0
 """A fix that is this many standard deviations plus this distance above the water is that of a reflected ray; the
@@ -38,7 +37,7 @@ class Surroundings:
     least and the largest speed of sound in the water, as expected.
     """
 
-    imu_body_m: Array
+    imu_body_m: Floats
     gravity_m_s2: float
     density_kg_m3: float
     compressibility_1_pa: float
@@ -52,7 +51,7 @@ class Surroundings:
         """The pressure of a metre of surface water."""
         return self.density_kg_m3 * self.gravity_m_s2
 
-    def depth_m(self, gauge_pa: Array) -> Array:
+    def depth_m(self, gauge_pa: Floats) -> Floats:
         """Return the depth at which surface water, compressed by its own weight, has this pressure.
 
         The pressure without compression is p - p^2 / (2 K); see cpp/uwsim/world/sea_water.h.
@@ -69,7 +68,7 @@ class Aid(Protocol):
     def terms(self, sensor: InstrumentLike, around: Surroundings) -> dict[str, int]:
         """Return the numbers of its errors in the filter's state by name, in their order."""
 
-    def readings(self, sensor: InstrumentLike, samples: SamplesLike, around: Surroundings) -> tuple[Array, Array]:
+    def readings(self, sensor: InstrumentLike, samples: SamplesLike, around: Surroundings) -> tuple[Floats, Floats]:
         """Return a mask (n,) of usable samples, and their readings in the format that the filter expects."""
 
 
@@ -78,7 +77,7 @@ def existing(*biases: tuple[str, int, _core.BiasModel]) -> dict[str, int]:
     return {name: n for name, n, model in biases if model.exists}
 
 
-def lever(sensor: InstrumentLike, around: Surroundings) -> Array:
+def lever(sensor: InstrumentLike, around: Surroundings) -> Floats:
     """Return a sensor's position relative to the IMU, in body axes."""
     return np.asarray(sensor.spec.position_m) - around.imu_body_m
 
@@ -120,7 +119,7 @@ class Doppler:
         sound_std = max(abs(set_m_s / each - 1.0) for each in around.sound_m_s) if set_m_s > 0 else 0.0
         return bias_model(sensor, "scale", more_std=sound_std, walk=sound_std * math.sqrt(2.0 / SOUND_TIME_S))
 
-    def readings(self, sensor: InstrumentLike, samples: SamplesLike, around: Surroundings) -> tuple[Array, Array]:
+    def readings(self, sensor: InstrumentLike, samples: SamplesLike, around: Surroundings) -> tuple[Floats, Floats]:
         """See Aid."""
         ranges_m, velocities = samples.readings[:, 3:7], samples.readings[:, 7:11]
         good = np.isfinite(ranges_m)
@@ -142,7 +141,7 @@ class Depth(Gauge):
         """See Aid."""
         return _add_gauge(filter_, sensor, around, "depth", self._metre_pa(sensor, around) / around.metre_pa)
 
-    def readings(self, sensor: InstrumentLike, samples: SamplesLike, around: Surroundings) -> tuple[Array, Array]:
+    def readings(self, sensor: InstrumentLike, samples: SamplesLike, around: Surroundings) -> tuple[Floats, Floats]:
         """See Aid."""
         return samples.valid, around.depth_m(samples.readings * self._metre_pa(sensor, around))
 
@@ -158,7 +157,7 @@ class Pressure(Gauge):
         """See Aid."""
         return _add_gauge(filter_, sensor, around, "pressure", 1.0 / around.metre_pa)
 
-    def readings(self, sensor: InstrumentLike, samples: SamplesLike, around: Surroundings) -> tuple[Array, Array]:
+    def readings(self, sensor: InstrumentLike, samples: SamplesLike, around: Surroundings) -> tuple[Floats, Floats]:
         """See Aid."""
         return samples.valid, around.depth_m(samples.readings - ATMOSPHERE_PA)
 
@@ -197,7 +196,7 @@ class Compass:
         """See Aid."""
         return {"drift": 1, "hard_iron": 3}
 
-    def readings(self, sensor: InstrumentLike, samples: SamplesLike, around: Surroundings) -> tuple[Array, Array]:
+    def readings(self, sensor: InstrumentLike, samples: SamplesLike, around: Surroundings) -> tuple[Floats, Floats]:
         """See Aid."""
         return samples.valid, north_rad(sensor) - samples.readings
 
@@ -249,7 +248,7 @@ class AcousticFix:
         widths = {"range": 1, "scale": 1, "bearing": 2, "station": 3}
         return existing(*((channel, n, bias_model(sensor, channel)) for channel, n in widths.items()))
 
-    def readings(self, sensor: InstrumentLike, samples: SamplesLike, around: Surroundings) -> tuple[Array, Array]:
+    def readings(self, sensor: InstrumentLike, samples: SamplesLike, around: Surroundings) -> tuple[Floats, Floats]:
         """See Aid."""
         fixes_m = samples.readings[:, [0, 1, 2, *STATION]]
         errors_m = whole_std(sensor, "bearing") * samples.readings[:, 3] + whole_std(sensor, "range")
@@ -275,7 +274,7 @@ class Satellites:
         """See Aid."""
         return {"orbits": 3}
 
-    def readings(self, sensor: InstrumentLike, samples: SamplesLike, around: Surroundings) -> tuple[Array, Array]:
+    def readings(self, sensor: InstrumentLike, samples: SamplesLike, around: Surroundings) -> tuple[Floats, Floats]:
         """See Aid."""
         return samples.valid & np.isfinite(samples.readings[:, :6]).all(axis=1), samples.readings[:, :6]
 
@@ -291,7 +290,7 @@ class Orientation:
         """See Aid."""
         return {"orientation": 3}
 
-    def readings(self, sensor: InstrumentLike, samples: SamplesLike, around: Surroundings) -> tuple[Array, Array]:
+    def readings(self, sensor: InstrumentLike, samples: SamplesLike, around: Surroundings) -> tuple[Floats, Floats]:
         """See Aid."""
         from scipy.spatial.transform import Rotation  # slow to import
 

@@ -12,15 +12,15 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from uwsim.base.arrays import Floats
+
 NOISE = "noise"
 """The rest: the start's error and white noise, including that by which errors have changed since they acted."""
 SINGULAR = 1e-9  # smaller eigenvalues of a correlation matrix are rounding
 
 
-def position_budget(covariance: Array, terms: Mapping[str, slice]) -> dict[str, Array]:
+def position_budget(covariance: Floats, terms: Mapping[str, slice]) -> dict[str, Floats]:
     """Return the standard deviations (3,) of the position [m] by term, and NOISE; their squares add up to the whole.
 
     covariance (n, n): of errors whose first three are the position's. terms: the errors of each, by name.

@@ -11,9 +11,9 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from uwsim import _core
+from uwsim.base.arrays import Floats
 from uwsim.base.motion import Pose, Velocity
 from uwsim.base.named import require_names
 from uwsim.base.saved_state import checked
@@ -37,7 +37,6 @@ from uwsim.navigation.estimation.start import Start
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
-Array = NDArray[np.float64]
 IMU = "the IMU's inertial samples"  # must differ from the aids' names, since one of them may be the same IMU
 SILENCE_NS = 500_000_000  # motion is assumed to continue after this long without IMU samples
 UNKNOWN_M = 1e4  # standard deviation of the position before the first fix
@@ -296,7 +295,7 @@ class Navigator(Attached):
         return white_std(self._imu, "angular_velocity")
 
     @property
-    def covariance(self) -> Array:
+    def covariance(self) -> Floats:
         """Covariance (15, 15) of position [m] and velocity [m/s] in world axes, attitude [rad], and the IMU biases.
 
         Attitude and the biases of gyroscope [rad/s] and accelerometer [m/s2] are in body axes. Position and velocity
@@ -306,18 +305,18 @@ class Navigator(Attached):
             return np.asarray(self._current().covariance[:15, :15])
 
     @property
-    def numbers(self) -> Array:
+    def numbers(self) -> Floats:
         """Time, motion and covariance side by side, (248,): see `_core.NavigationFilter.numbers`."""
         with self._lock:
             return self._current().numbers
 
     @property
-    def position_std_m(self) -> Array:
+    def position_std_m(self) -> Floats:
         """Standard deviations of the position along east, north and up, (3,)."""
         return np.sqrt(np.diagonal(self.covariance)[:3])
 
     @property
-    def budget(self) -> dict[str, Array]:
+    def budget(self) -> dict[str, Floats]:
         """Standard deviations (3,) of the position along east, north and up [m] by their source, as `dvl.scale`.
 
         Their squares add up to those of position_std_m; see uwsim.navigation.estimation.budget.
@@ -351,7 +350,7 @@ class Navigator(Attached):
             return self.surface_m[0] - float(self.pose.position_world_m[2])
 
     @property
-    def imu_biases(self) -> tuple[Array, Array]:
+    def imu_biases(self) -> tuple[Floats, Floats]:
         """The estimated biases of the gyroscope [rad/s] and the accelerometer [m/s2] in body axes, (3,) each."""
         with self._lock:
             now = self._current()

@@ -11,13 +11,11 @@ from uwsim.base.options import OptionError, WithoutEffectError, need, refuse
 from uwsim.bridges.doors.endpoint import ROSBRIDGE_PORT
 from uwsim.bridges.page import page_url
 from uwsim.cli.access import Tokens
-from uwsim.cli.bounds import readable, within
 from uwsim.cli.exit_codes import INCOMPLETE, INTERRUPTED
 from uwsim.cli.flights import Out
 from uwsim.cli.groups import with_default
-from uwsim.cli.options import AsJson, Threads, print_json
-from uwsim.cli.seeds import listed_seeds
-from uwsim.cli.values import exercises
+from uwsim.cli.options import AsJson, Threads, listed_seeds, print_json
+from uwsim.cli.values import exercises, readable, within
 from uwsim.operator.cli.station import KEPT, kept_flights, station_server
 from uwsim.recording.flight_options import RecordOptions
 

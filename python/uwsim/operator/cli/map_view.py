@@ -6,8 +6,8 @@ from typing import Annotated
 
 import typer
 
-from uwsim.cli.bounds import within
 from uwsim.cli.map import MapFile
+from uwsim.cli.values import within
 
 
 def view(

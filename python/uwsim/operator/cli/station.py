@@ -13,10 +13,9 @@ from uwsim.bridges.cli.serve import Origin, Wire
 from uwsim.bridges.doors.endpoint import ROSBRIDGE_PORT
 from uwsim.bridges.page import page_url
 from uwsim.cli.access import Access
-from uwsim.cli.bounds import within
 from uwsim.cli.groups import under
 from uwsim.cli.options import Threads
-from uwsim.cli.values import modems, scenarios
+from uwsim.cli.values import modems, scenarios, within
 
 if TYPE_CHECKING:
     from uwsim.bridges import RosbridgeServer

@@ -10,10 +10,9 @@ import typer
 
 from uwsim.base.options import flag_name
 from uwsim.bridges.doors.endpoint import ROSBRIDGE_PORT
-from uwsim.cli.choices import one_of
 from uwsim.cli.groups import under
 from uwsim.cli.options import SimulatorOptions
-from uwsim.cli.values import scenarios
+from uwsim.cli.values import one_of, scenarios
 
 if TYPE_CHECKING:
     from uwsim.bridges import RosbridgeServer

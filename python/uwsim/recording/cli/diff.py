@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from uwsim.cli.bounds import readable
 from uwsim.cli.exit_codes import FAILED
 from uwsim.cli.options import AsJson, print_json
+from uwsim.cli.values import readable
 
 if TYPE_CHECKING:
     from uwsim.recording.diff import Comparison
@@ -37,7 +37,7 @@ def diff(
     found = compare(Recording(first), Recording(second))
     gaps = {parting.topic: parting.gaps for parting in found.partings if parting.gaps}
     if gaps:
-        from uwsim.figures.divergence import draw_divergence
+        from uwsim.figures.comparison import draw_divergence
 
         draw_divergence(out, gaps, f"{first.name} and {second.name}")
     if as_json:

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from uwsim.cli.bounds import readable, within, writable
+from uwsim.cli.values import readable, within, writable
 
 
 def film(
@@ -23,8 +23,8 @@ def film(
 
     The number above it is the mean distance of the map's occupied voxels from the true surface.
     """
-    from uwsim.recording.film import film_of
     from uwsim.recording.reader import Recording
+    from uwsim.recording.survey_from import film_of
 
     count = film_of(Recording(source), out, pictures=pictures, seconds=seconds, width=width)
     typer.echo(f"{out}: {count} pictures")

@@ -7,8 +7,8 @@ from typing import Annotated
 
 import typer
 
-from uwsim.cli.bounds import require_file, within
 from uwsim.cli.map import MAPS
+from uwsim.cli.values import require_file, within
 from uwsim.flight.raw_options import RawOptions
 
 
@@ -91,12 +91,12 @@ def from_recording(
     else:
         if report is not None:
             raise ValueError(f"--report: '{source}' is no recording of a survey")
-        from uwsim.recording.live_map import live_map
+        from uwsim.recording.survey_from import live_map
 
         occupancy, count = live_map(recording, vehicle, outlier_filter=outlier_filter)
         occupancy.write(out)
     if raw is not None and not has_its_pings:
-        from uwsim.recording.raw_from import raw_from
+        from uwsim.recording.survey_from import raw_from
 
         raw_from(recording, ping_topic(recording, vehicle), raw, errors, known)
     typer.echo(f"{out}: {count:,} pings" + ("" if recording.complete else "; the recording was cut off"))

@@ -8,9 +8,9 @@ from typing import Annotated
 
 import typer
 
-from uwsim.cli.bounds import readable
 from uwsim.cli.groups import with_default
 from uwsim.cli.options import AsJson, print_json
+from uwsim.cli.values import readable
 
 app = with_default("recording", "List the contents of a recording; compare two; film one.", "Record")
 

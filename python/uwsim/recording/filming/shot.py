@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.base.arrays import Floats
 from uwsim.base.atomic_file import write_atomically
 from uwsim.base.quaternions import of_yaw_pitch_roll_deg, product
 from uwsim.instruments.cameras.camera import Camera
@@ -21,7 +22,6 @@ from uwsim.recording.reader import Recording
 from uwsim.recording.replay import new_simulator
 from uwsim.scenario.spec.camera import CameraMount
 
-Floats = NDArray[np.float64]
 SHUTTER = 0.5
 """Share of the time between frames for which the shutter is open."""
 SUN_DEG = 0.265

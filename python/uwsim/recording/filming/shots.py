@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
+from uwsim.base.arrays import Floats
 from uwsim.recording.filming import views
 from uwsim.recording.filming.options import QUALITIES, FilmOptions
 from uwsim.recording.filming.roll import Roll, scene_of
@@ -18,7 +18,6 @@ from uwsim.scenario.spec.camera import CameraMount
 FOV_DEG = 75.0
 METERED_S, METERED_PIXELS, STEADY_S = 0.2, 96, 1.0
 """Exposure: time between its measurements, their width, and the standard deviation of the Gaussian that steadies it."""
-Floats = NDArray[np.float64]
 
 
 def shots_of(recording: Path, roll: Roll, folder: Path, wanted: FilmOptions, threads: int | None) -> list[Shot]:

@@ -5,14 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
+from uwsim.base.arrays import Floats
 from uwsim.base.quaternions import heading_rad, of_yaw_pitch_roll_deg
 from uwsim.base.texts.csv_table import read_csv
 from uwsim.simulator.simulator import Simulator
 
-Floats = NDArray[np.float64]
 BEHIND_M, ABOVE_M, AROUND_M = 2.6, 0.9, 3.2
 """Distances of the cameras `chase` and `orbit` from the vehicle."""
 AHEAD_M = 1.5

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation, Slerp
 
-from uwsim.recording.real_flights.flight_log import Array, FlightLog
+from uwsim.base.arrays import Floats
+from uwsim.recording.real_flights.flight_log import FlightLog
 from uwsim.recording.real_flights.motion import GAP_S, at_times
 from uwsim.recording.recorder import Recorder
 from uwsim.recording.timeline import FROM_LOG, LONGEST_S, SAMPLE_S
@@ -67,7 +68,7 @@ def record_log(log: FlightLog, sim: Simulator, path: Path) -> list[str]:
     return notes
 
 
-def _attitudes(log: FlightLog, step_s: float) -> tuple[NDArray[np.int64], Array, Rotation, NDArray[np.bool_]]:
+def _attitudes(log: FlightLog, step_s: float) -> tuple[NDArray[np.int64], Floats, Rotation, NDArray[np.bool_]]:
     """Return ticks and times of samples, attitudes, and whether each is known: in gaps, the one before is kept.
 
     Samples are a step before those of a time line, which precede the commands of their tick.
@@ -90,7 +91,7 @@ def _attitudes(log: FlightLog, step_s: float) -> tuple[NDArray[np.int64], Array,
     return ticks, times_s, turns, is_known
 
 
-def _positions(log: FlightLog, sim: Simulator, times_s: Array) -> tuple[Array, list[str]]:
+def _positions(log: FlightLog, sim: Simulator, times_s: Floats) -> tuple[Floats, list[str]]:
     """Return positions (n, 3) in the world, NaN where unknown, and notes."""
     logged = at_times(log.series.get("position"), times_s, 3)
     depth = at_times(log.series.get("depth"), times_s, 1)[:, 0]
@@ -113,7 +114,7 @@ def _positions(log: FlightLog, sim: Simulator, times_s: Array) -> tuple[Array, l
     return np.column_stack([logged[:, :2], height]), notes
 
 
-def _velocities(log: FlightLog, times_s: Array, position: Array, turns: Rotation, known: NDArray[np.bool_]) -> Array:
+def _velocities(log: FlightLog, times_s: Floats, position: Floats, turns: Rotation, known: NDArray[np.bool_]) -> Floats:
     """Return velocities (n, 6) in the body's axes: those logged, else the way to the next sample, 0 beside gaps."""
     way, turn = np.zeros((len(times_s), 3)), np.zeros((len(times_s), 3))
     apart_s = np.diff(times_s)[:, None]
@@ -128,7 +129,7 @@ def _velocities(log: FlightLog, times_s: Array, position: Array, turns: Rotation
     return np.where(np.isfinite(logged), logged, found)
 
 
-def _filled(values: Array, known: NDArray[np.bool_], default: float) -> Array:
+def _filled(values: Floats, known: NDArray[np.bool_], default: float) -> Floats:
     """Return values with each unknown one replaced by the last known, at first by the first; a default if none is."""
     if not known.any():
         return np.full(len(values), default)

@@ -16,14 +16,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from uwsim.base.arrays import Floats
 from uwsim.base.short_repr import ShortRepr
 from uwsim.batch import Batch, arguments
 from uwsim.recording.real_flights.deep_water import STEP_S, in_deep_water, start_m
-from uwsim.recording.real_flights.flight_log import Array
 from uwsim.recording.real_flights.motion import GAP_S, MotionLog, command
 from uwsim.scenario import VehicleModel
-from uwsim.scenario.build.afloat import is_boat
-from uwsim.scenario.build.completed import double_integrator
+from uwsim.scenario.build.hull import is_boat
+from uwsim.scenario.build.vehicle import double_integrator
 
 HORIZONS_S = (1.0, 2.0, 5.0, 10.0, 30.0)
 WINDOWS_MAX = 120
@@ -141,7 +141,7 @@ def fly_beside(
     return Beside(horizons, integrator, moved, tuple(notes))
 
 
-def _velocities(log: MotionLog) -> tuple[Array, list[str]]:
+def _velocities(log: MotionLog) -> tuple[Floats, list[str]]:
     """Return velocities (n, 6), in the body's axes: those measured, else from positions, else 0; and notes."""
     velocity, notes = log.velocity_body.copy(), []
     lacks = ~np.isfinite(velocity[:, :3])
@@ -175,7 +175,7 @@ def _starts(log: MotionLog, shortest_s: float) -> NDArray[np.intp]:
     return np.unique(np.searchsorted(log.times_s, times_s))
 
 
-def _apart(begin_s: Array, horizon_s: float) -> NDArray[np.bool_]:
+def _apart(begin_s: Floats, horizon_s: float) -> NDArray[np.bool_]:
     """Return which windows to keep, so that none overlaps the one before."""
     kept, until = np.zeros(len(begin_s), bool), -np.inf
     for k, begin in enumerate(begin_s):
@@ -187,12 +187,12 @@ def _apart(begin_s: Array, horizon_s: float) -> NDArray[np.bool_]:
 def _flown(
     log: MotionLog,
     model: VehicleModel,
-    begin_s: Array,
-    first: Array,
+    begin_s: Floats,
+    first: Floats,
     density_kg_m3: float,
     ticks: int,
     threads: int | None,
-) -> Array:
+) -> Floats:
     """Return the states (windows, 13) after some steps, positions relative to the window's start."""
     with tempfile.TemporaryDirectory(prefix="uwsim-") as folder:
         alone = in_deep_water(model, density_kg_m3, Path(folder))
@@ -207,21 +207,21 @@ def _flown(
     return np.hstack([motion.position_world_m - at_m, motion.orientation_xyzw, motion.velocity_body])
 
 
-def _at(times_s: Array, state: Array, wanted_s: Array) -> Array:
+def _at(times_s: Floats, state: Floats, wanted_s: Floats) -> Floats:
     """Return logged states (m, 13) at some times; NaN outside the log and in gaps."""
     after = np.clip(np.searchsorted(times_s, wanted_s), 1, len(times_s) - 1)
     gap_s = times_s[after] - times_s[after - 1]
     share = ((wanted_s - times_s[after - 1]) / gap_s)[:, None]
     turn = Rotation.from_quat(state[after - 1, 3:7])
     other = Rotation.from_quat(state[after, 3:7])
-    found: Array = state[after - 1] + share * (state[after] - state[after - 1])
+    found: Floats = state[after - 1] + share * (state[after] - state[after - 1])
     found[:, 3:7] = (turn * Rotation.from_rotvec(share * (turn.inv() * other).as_rotvec())).as_quat()
     is_known = (gap_s <= GAP_S) & (share[:, 0] > -1e-6) & (share[:, 0] < 1 + 1e-6)
     found[~is_known] = np.nan
     return found
 
 
-def _errors(flown: Array, logged: Array) -> dict[str, Array]:
+def _errors(flown: Floats, logged: Floats) -> dict[str, Floats]:
     known = np.isfinite(logged[:, 3:7]).all(axis=1)
     heading, tilt = np.full(len(flown), np.nan), np.full(len(flown), np.nan)
     if known.any():
@@ -240,12 +240,12 @@ def _errors(flown: Array, logged: Array) -> dict[str, Array]:
     }
 
 
-def _length(way_m: Array) -> Array:
+def _length(way_m: Floats) -> Floats:
     """Return lengths (n,) of vectors (n, 3), of their known parts; NaN if none is."""
     return np.where(np.isfinite(way_m).any(axis=1), np.sqrt(np.nansum(way_m**2, axis=1)), np.nan)
 
 
-def _mean(values: Array) -> Mean | None:
+def _mean(values: Floats) -> Mean | None:
     values = values[np.isfinite(values)]
     if len(values) < 2:
         return Mean(float(values[0]), None, None, 1) if len(values) else None

@@ -13,12 +13,13 @@ from pathlib import Path
 
 import numpy as np
 
+from uwsim.base.arrays import Floats
 from uwsim.base.axes import AXES
-from uwsim.base.did_you_mean import did_you_mean
+from uwsim.base.named import did_you_mean
 from uwsim.base.texts.csv_table import CsvTable, read_csv
-from uwsim.recording.real_flights.flight_log import QUANTITIES, Array, FlightLog, Series, attitude_from_ned, series_of
+from uwsim.recording.real_flights.flight_log import QUANTITIES, FlightLog, Series, attitude_from_ned, series_of
 from uwsim.recording.real_flights.motion import TILT
-from uwsim.scenario.read.yaml_file import read_yaml
+from uwsim.scenario.read.spec_file import read_yaml
 
 KIND = "a table (CSV)"
 LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "ft": 0.3048}
@@ -153,17 +154,17 @@ class _Table:
         assumed = tuple(f"{name} is 0: no column states it, and no model is compared with it" for name in unstated)
         return FlightLog(self._path, KIND, known, assumed=assumed, unstated=unstated)
 
-    def _or_nan(self, what: str) -> Array:
+    def _or_nan(self, what: str) -> Floats:
         return self._values.get(what, np.full(len(self._values["time"]), np.nan))
 
-    def _signed(self, up: str, down: str) -> Array:
+    def _signed(self, up: str, down: str) -> Floats:
         return self._values[up] if up in self._values else -self._or_nan(down)
 
-    def _heading(self) -> Array:
+    def _heading(self) -> Floats:
         return self._values["heading"] if "heading" in self._values else 0.5 * np.pi - self._or_nan("yaw")
 
     def _add(
-        self, found: dict[str, Series], quantity: str, values: Array, of: tuple[str, ...], names: tuple[str, ...] = ()
+        self, found: dict[str, Series], quantity: str, values: Floats, of: tuple[str, ...], names: tuple[str, ...] = ()
     ) -> None:
         if not np.isfinite(values).any():
             return

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from uwsim.scenario import Scenario, VehicleModel
-from uwsim.scenario.build.afloat import floating_height_m, is_boat
-from uwsim.scenario.build.completed import completed
+from uwsim.scenario.build.hull import floating_height_m, is_boat
+from uwsim.scenario.build.vehicle import completed
 
 VEHICLE = "vehicle"
 DEPTH_M, BED_M = 400.0, 1000.0

@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from uwsim.base.arrays import Floats
 from uwsim.base.short_repr import ShortRepr
 
-Array = NDArray[np.float64]
 QUANTITIES: Mapping[str, str] = {
     "attitude": "",
     "position": "m",
@@ -48,8 +48,8 @@ class Series(ShortRepr):
     source: where the log has it, and its unit there. names: of the columns, for thrusters and efforts.
     """
 
-    times_s: Array
-    values: Array
+    times_s: Floats
+    values: Floats
     source: str
     names: tuple[str, ...] = ()
 
@@ -101,7 +101,7 @@ def _absent(name: str, series: Series) -> str:
     return f", of which {count} are incomplete" if count else ""
 
 
-def series_of(path: Path, times_s: Array, values: Array, source: str, names: tuple[str, ...] = ()) -> Series | None:
+def series_of(path: Path, times_s: Floats, values: Floats, source: str, names: tuple[str, ...] = ()) -> Series | None:
     """Return a series in the order of its times, without repeated times; None for fewer than two rows.
 
     Raises ValueError for times that no flight has, and for too many rows.
@@ -120,7 +120,7 @@ def series_of(path: Path, times_s: Array, values: Array, source: str, names: tup
     return Series(times_s, np.ascontiguousarray(values), source, names)
 
 
-def attitude_from_ned(roll_pitch_yaw_rad: Array) -> Array:
+def attitude_from_ned(roll_pitch_yaw_rad: Floats) -> Floats:
     """Return quaternions (n, 4) in the project's axes from NED's angles (n, 3) [rad]; NaN where an angle is."""
     found = np.full((len(roll_pitch_yaw_rad), 4), np.nan)
     known = np.isfinite(roll_pitch_yaw_rad).all(axis=1)
@@ -130,11 +130,11 @@ def attitude_from_ned(roll_pitch_yaw_rad: Array) -> Array:
     return found
 
 
-def world_from_ned(ned: Array) -> Array:
+def world_from_ned(ned: Floats) -> Floats:
     """Return vectors (n, 3) in the world's axes."""
     return np.asarray(ned @ ENU_FROM_NED.T, np.float64)
 
 
-def body_from_frd(frd: Array) -> Array:
+def body_from_frd(frd: Floats) -> Floats:
     """Return vectors (n, 3) in the body's axes."""
     return np.asarray(frd * FRD, np.float64)

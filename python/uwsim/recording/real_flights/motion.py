@@ -9,11 +9,12 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from uwsim.base.arrays import Floats
 from uwsim.base.axes import AXES
-from uwsim.base.did_you_mean import did_you_mean
+from uwsim.base.named import did_you_mean
 from uwsim.base.short_repr import ShortRepr
 from uwsim.batch import Batch
-from uwsim.recording.real_flights.flight_log import Array, FlightLog, Series
+from uwsim.recording.real_flights.flight_log import FlightLog, Series
 from uwsim.recording.real_flights.frames import FRAMES, frame_of, servo_motors
 from uwsim.scenario import VehicleModel
 
@@ -41,19 +42,19 @@ class MotionLog(ShortRepr):
     unstated: of roll and pitch, those that nothing measured: 0 in the attitude.
     """
 
-    times_s: Array
-    position_m: Array
-    orientation_xyzw: Array
-    velocity_body: Array
-    effort_times_s: Array
-    efforts: Array
+    times_s: Floats
+    position_m: Floats
+    orientation_xyzw: Floats
+    velocity_body: Floats
+    effort_times_s: Floats
+    efforts: Floats
     noise: dict[str, float]
-    effort_sds_s: Array | float = 0.0
+    effort_sds_s: Floats | float = 0.0
     thrusters: tuple[str, ...] = ()
     unstated: tuple[str, ...] = ()
 
 
-def command(batch: Batch, thrusters: Sequence[str], efforts: Array) -> None:
+def command(batch: Batch, thrusters: Sequence[str], efforts: Floats) -> None:
     """Give each member its efforts (members, 6), or its commands (members, k) of thrusters."""
     if thrusters:
         batch.set_thrusters({name: efforts[:, k] for k, name in enumerate(thrusters)})
@@ -61,7 +62,7 @@ def command(batch: Batch, thrusters: Sequence[str], efforts: Array) -> None:
         batch.set_effort(np.ascontiguousarray(efforts))
 
 
-def sampled(times_s: Array, efforts: Array) -> tuple[Array, Array, Array]:
+def sampled(times_s: Floats, efforts: Floats) -> tuple[Floats, Floats, Floats]:
     """Return times (m,), efforts (m, k) and deviations (m,) of the changes in efforts that were sampled at times_s."""
     kept = np.flatnonzero(np.diff(efforts, axis=0).any(axis=1)) + 1
     gap_s = times_s[kept] - times_s[kept - 1]
@@ -125,7 +126,7 @@ def _require_motion(log: FlightLog, motion: MotionLog) -> None:
         )
 
 
-def at_times(series: Series | None, times_s: Array, width: int) -> Array:
+def at_times(series: Series | None, times_s: Floats, width: int) -> Floats:
     """Return values (n, width) at some times, interpolated over short gaps, else NaN."""
     if series is None:
         return np.full((len(times_s), width), np.nan)

@@ -7,9 +7,9 @@ from collections.abc import Mapping
 from typing import cast
 
 import numpy as np
-from numpy.typing import NDArray
 
 from uwsim import _core
+from uwsim.base.arrays import Floats
 from uwsim.base.quaternions import of_yaw_pitch_roll_deg
 from uwsim.scenario.read.mesh_file import Triangles, Vertices
 from uwsim.scenario.read.mesh_repair import closed_mesh
@@ -17,8 +17,6 @@ from uwsim.scenario.spec.arm import Hinge, Link, Slide, links_in_order
 from uwsim.scenario.spec.obstacle import Bed
 from uwsim.scenario.spec.scenario import Scenario
 from uwsim.scenario.spec.vehicle import VehicleModel
-
-Floats = NDArray[np.float64]
 
 
 def link_specs(arm: Mapping[str, Link]) -> list[_core.ArmLink]:

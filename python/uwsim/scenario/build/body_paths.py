@@ -10,11 +10,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from uwsim import _core
+from uwsim.base.arrays import Floats
 from uwsim.scenario.read.errors import ScenarioError
-from uwsim.scenario.spec.body_path import BodyPath
+from uwsim.scenario.spec.loose_body import BodyPath
 
 if TYPE_CHECKING:
     from scipy.interpolate import CubicSpline
@@ -26,8 +26,6 @@ RAMP_S = 2.0
 FASTEST_M_S = 30.0
 LEAST_LEVEL = 0.05
 """The least horizontal part of the direction: the heading is undefined where the line is vertical."""
-
-Floats = NDArray[np.float64]
 
 
 class Progress(NamedTuple):

@@ -1,4 +1,7 @@
-"""Shapes of cover, made from noise, revolution and sweeps: small triangle meshes with the largest extent 1."""
+"""Shapes of cover, debris and fish: small triangle meshes with the largest extent 1.
+
+They are made from noise, revolution and sweeps.
+"""
 
 from __future__ import annotations
 
@@ -6,12 +9,12 @@ from collections.abc import Sequence
 from functools import cache
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from uwsim.base.arrays import Floats
 from uwsim.scenario.read.mesh_file import Triangles, Vertices, joined
 
 Mesh = tuple[Vertices, Triangles]
-Floats = NDArray[np.float64]
 Random = np.random.Generator
 
 
@@ -137,3 +140,83 @@ def _skin(rings: int, sides: int) -> Triangles:
     a = np.arange((rings - 1) * sides).reshape(rings - 1, sides)
     b = np.roll(a, -1, axis=1)
     return np.stack([a, b, b + sides, a, b + sides, a + sides], axis=-1).reshape(-1, 3).astype(np.uint32)
+
+
+BOX = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
+
+
+def lying_about(random: np.random.Generator) -> list[Mesh]:
+    """Return a bottle, a can, a tyre, a plank and a brick, of length 1."""
+    bottle = revolved([0, 0.5, 0.55, 0.55, 0.5, 0.2, 0.18, 0.18], [0, 0, 0.05, 1.3, 1.6, 1.9, 2.4, 2.4], 12)
+    can = revolved([0, 0.5, 0.52, 0.52, 0.48, 0.0], [0, 0, 0.05, 1.85, 1.9, 1.88], 12)
+    around = np.linspace(0, 2 * np.pi, 19)
+    tyre = tube(np.stack([np.cos(around), np.sin(around), 0 * around], axis=-1), np.full(19, 0.32), 8, closed=False)
+    lying = [turned_to(shape, [1.0, 0.05, random.uniform(0, 0.15)]) for shape in (bottle, can)]
+    return [unit(shape) for shape in (*lying, tyre, _box(1.0, 0.16, 0.04), _box(0.24, 0.115, 0.07))]
+
+
+def _box(*size: float) -> Mesh:
+    faces = [[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1], [2, 3, 7], [2, 7, 6], [0, 2, 6],
+             [0, 6, 4], [1, 5, 7], [1, 7, 3]]  # fmt: skip
+    return merged([(BOX * size, np.array(faces, np.uint32))])
+
+
+RINGS, SIDES = 12, 8
+TAIL = 0.84
+"""Where the body ends and the tail fin begins, in lengths from the nose."""
+
+
+def fish(length_m: float, depth: float, flatness: float, phase: float) -> Mesh:
+    """Return a fish that looks along x, z up, its origin in its middle.
+
+    depth: largest height of the body, in lengths. flatness: its width over its height. phase: of the tail's beat, of 1.
+    """
+    along = TAIL * (0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, RINGS)))
+    line = np.column_stack([0.5 - along, np.zeros(RINGS), np.zeros(RINGS)])
+    height = np.maximum(_profile(along / TAIL) * 0.5 * depth, 0.012)
+    height[0] = 0.004
+    vertices, triangles = tube(line, np.ones(RINGS), SIDES)
+    ring = np.minimum(np.arange(len(vertices)) // SIDES, RINGS - 1)
+    ring[-2:] = 0, RINGS - 1
+    turn = 2 * np.pi * (np.arange(len(vertices)) % SIDES) / SIDES
+    radial = np.ones(len(vertices))
+    radial[-2:] = 0.0
+    vertices[:, 0] = line[ring, 0]
+    vertices[:, 1] = radial * flatness * height[ring] * np.cos(turn)
+    vertices[:, 2] = radial * height[ring] * np.sin(turn)
+    parts = [(vertices, triangles), _tail(depth), _back_fin(depth)]
+    points, faces = merged(parts)
+    share = 0.5 - points[:, 0]
+    points[:, 1] += _sway(share, phase)
+    return length_m * points, faces
+
+
+def _sway(share: Floats, phase: float) -> Floats:
+    """Return the sideways displacement along a carangiform swimmer, in lengths.
+
+    A wave of one length runs along the body with an amplitude of 0.02 - 0.08 x + 0.16 x^2 (Videler 1993, "Fish
+    Swimming", ch. 6).
+    """
+    amplitude = 0.02 - 0.08 * share + 0.16 * share**2
+    return np.asarray(amplitude * np.sin(2 * np.pi * (share - phase)))
+
+
+def _profile(share: Floats) -> Floats:
+    """Return the height of a body, of its largest: full ahead of the middle, and thin at the root of the tail."""
+    full = 1.6 * np.sqrt(np.clip(share, 0, 1)) * (1 - share) + 0.9 * share * (1 - share)
+    return np.asarray(full / 0.83 + 0.16 * share)
+
+
+def _tail(depth: float) -> Mesh:
+    spread, root = 0.36 * depth + 0.06, 0.02
+    points = [(TAIL - 0.03, root), (TAIL - 0.03, -root), (1.0, spread), (0.93, 0.0), (1.0, -spread)]
+    vertices = np.array([(0.5 - x, 0.0, z) for x, z in points])
+    return vertices, np.array([[0, 2, 3], [0, 3, 1], [1, 3, 4]], np.uint32)
+
+
+def _back_fin(depth: float) -> Mesh:
+    high = 0.5 * depth
+    points = [(0.30, 0.9 * high), (0.42, high + 0.09), (0.66, 0.75 * high), (0.52, 0.8 * high)]
+    low = [(0.50, -0.8 * high), (0.66, -high - 0.03), (0.70, -0.5 * high)]
+    vertices = np.array([(0.5 - x, 0.0, z) for x, z in points + low])
+    return vertices, np.array([[0, 1, 2], [0, 2, 3], [4, 5, 6]], np.uint32)

@@ -11,21 +11,21 @@ from __future__ import annotations
 from typing import NamedTuple, cast
 
 import numpy as np
-from numpy.typing import NDArray
 
 from uwsim import _core
+from uwsim.base.arrays import Floats
 from uwsim.base.quaternions import of_yaw_pitch_roll_deg, product, turned
-from uwsim.scenario.build.applied_wrench import applied_wrench
 from uwsim.scenario.build.arm import link_specs
-from uwsim.scenario.build.bluff_drag import default_drag
 from uwsim.scenario.build.body_paths import body_path, points_on, standing
-from uwsim.scenario.build.obstacles import grounded
+from uwsim.scenario.build.equipment import applied_wrench
+from uwsim.scenario.build.hydrodynamics import default_drag
+from uwsim.scenario.build.solids import grounded
 from uwsim.scenario.build.terrain import build_terrain
 from uwsim.scenario.build.water import surface_density_kg_m3
 from uwsim.scenario.read.disk_cache import cached_arrays
 from uwsim.scenario.read.mesh_file import Triangles, Vertices
 from uwsim.scenario.read.mesh_repair import closed_mesh
-from uwsim.scenario.spec.dropper import Dropper
+from uwsim.scenario.spec.arm import Dropper
 from uwsim.scenario.spec.loose_body import LooseBody
 from uwsim.scenario.spec.obstacle import LEVEL, Bed, ObstacleModel
 from uwsim.scenario.spec.scenario import Scenario
@@ -40,8 +40,6 @@ Theory", ch. 21)."""
 
 HELD = "held "
 """How the names of links begin that stand for bodies in droppers; an arm's own names have no blank."""
-
-Floats = NDArray[np.float64]
 
 
 class _Shape(NamedTuple):
@@ -240,7 +238,7 @@ def _flow(vertices: Vertices, triangles: Triangles) -> tuple[Floats, Floats, Flo
 
     def make() -> tuple[Floats, ...]:
         from uwsim.base.whole_trimesh import trimesh
-        from uwsim.scenario.build.potential_flow import simplified  # it needs scipy, which is slow to import
+        from uwsim.scenario.build.hydrodynamics import simplified  # it needs scipy, which is slow to import
 
         added = _core.added_mass(*simplified(vertices, triangles, PANELS), 1.0, PANELS)
         hull = trimesh.convex.convex_hull(vertices)

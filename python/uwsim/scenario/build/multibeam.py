@@ -1,4 +1,4 @@
-"""A multibeam model for the core: its fan, and its acoustic parameters in physics mode."""
+"""A multibeam for the core, the labels of what its rays hit, and the chain from its pings to a map."""
 
 from __future__ import annotations
 
@@ -6,9 +6,50 @@ import math
 from collections.abc import Sequence
 
 from uwsim import _core
-from uwsim.scenario.spec.material import ROCK, Backscatter
+from uwsim.mapping.map_filler import MapFiller
+from uwsim.mapping.ping_to_map import PingToMap, Wire, depth_string
+from uwsim.scenario.build.arm import all_shaped_links
+from uwsim.scenario.build.cover import plume_names
+from uwsim.scenario.build.hull import hull_box_m
+from uwsim.scenario.build.station import tether_specs
+from uwsim.scenario.spec.material import ROCK, TETHER, Backscatter
+from uwsim.scenario.spec.obstacle import BUBBLES
+from uwsim.scenario.spec.scenario import Scenario
 from uwsim.scenario.spec.sonar import ACOUSTIC, SonarModel
-from uwsim.scenario.spec.water_target import School, Seep
+from uwsim.scenario.spec.vehicle import VehicleModel
+from uwsim.scenario.spec.water_parts import School, Seep
+
+
+def label_names(scenario: Scenario) -> list[str]:
+    """Return the names by label: World.label_names, vehicles, objects, life, plumes, links of arms, then tethers.
+
+    An arm has a label for each link with a shape, `<vehicle> <shape>`, and a tether one for each of its elements, all
+    with the name `<vehicle or object> tether`.
+    """
+    station = ["station"] if scenario.station.mesh is not None else []
+    parts = (scenario.obstacles, scenario.cover, scenario.vehicles, scenario.objects, scenario.life or ())
+    obstacles, cover, vehicles, objects, life = ([named.name for named in part] for part in parts)
+    arms = [f"{body} {link.shape.name}" for body, link in all_shaped_links(scenario) if link.shape is not None]
+    fixed = ["nothing", "terrain", *obstacles, *station, *cover]
+    return [*fixed, *vehicles, *objects, *life, *plume_names(scenario), *arms, *_tethers(scenario)]
+
+
+def backscatter_by_label(scenario: Scenario) -> list[Backscatter]:
+    """Return the backscatter of each labelled surface, in the order of `label_names`."""
+    station = [scenario.station.material] if scenario.station.mesh is not None else []
+    vehicles = [vehicle.model.material for vehicle in scenario.vehicles]
+    vehicles += [body.shape.material for body in scenario.objects]
+    vehicles += [animals.material for animals in scenario.life or ()]
+    vehicles += [BUBBLES for _ in plume_names(scenario)]
+    vehicles += [link.shape.material for _, link in all_shaped_links(scenario) if link.shape is not None]
+    obstacles, cover = [one.surface for one in scenario.obstacles], [layer.material for layer in scenario.cover]
+    solids = (material.backscatter for material in (*obstacles, *station, *cover, *vehicles))
+    tethers = [TETHER] * len(_tethers(scenario))
+    return [ROCK, scenario.ground.backscatter, *solids, *tethers]
+
+
+def _tethers(scenario: Scenario) -> list[str]:
+    return [f"{name} tether" for name, spec in tether_specs(scenario).items() for _ in range(spec.tubes)]
 
 
 def multibeam_model(
@@ -92,3 +133,47 @@ def targets(group: School | Seep) -> _core.WaterTargets:
         group.target_strength_db,
         rise_m_s,
     )
+
+
+VOXEL_M = 0.2
+"""The edge of a map's voxels in a scenario without a survey."""
+
+
+def ping_chain(
+    scenario: Scenario,
+    vehicle: VehicleModel,
+    model: _core.MultibeamModel,
+    *,
+    in_physics: bool,
+    outlier_filter: bool | None = None,
+    voxel_m: float | None = None,
+    filler: MapFiller | None = None,
+    wire: Wire | None = None,
+) -> PingToMap:
+    """Return the chain for the pings of a vehicle's multibeam, for every map that is made of them.
+
+    in_physics: whether the sonar is in physics mode. outlier_filter, voxel_m: override the survey's. filler: see
+    PingToMap. wire: by default, see depth_string.
+    """
+    survey = scenario.survey
+    if outlier_filter is None:
+        outlier_filter = survey.outlier_filter if survey is not None else None
+    filters = in_physics if outlier_filter is None else outlier_filter
+    limit_m = None
+    if filters and in_physics:
+        limit_m = survey.max_uncertainty_m if survey is not None else None
+        limit_m = 0.5 * (voxel_m or map_voxel_m(scenario)) if limit_m is None else limit_m
+    return PingToMap(
+        model,
+        hull_box_m(vehicle),
+        filler,
+        wire=wire or depth_string(model),
+        decodes=True,
+        outlier_filter=filters,
+        max_uncertainty_m=limit_m,
+    )
+
+
+def map_voxel_m(scenario: Scenario) -> float:
+    """Return the edge of the voxels of a scenario's maps: its survey's, or VOXEL_M without a survey."""
+    return VOXEL_M if scenario.survey is None else scenario.survey.voxel_m

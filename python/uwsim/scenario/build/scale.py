@@ -6,8 +6,8 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwsim.base.arrays import Floats
 from uwsim.scenario.build.terrain import Terrain
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.spec.vehicle import DENSITIES_KG_M3, VOLUMES_M3
@@ -22,8 +22,6 @@ HUGE_M = 50.0
 HUGE_OBSTACLE_M = 1000.0
 TERRAINS_ACROSS = 10.0
 """Maximum length of an obstacle relative to the terrain: a quay may extend beyond a test basin."""
-
-Floats = NDArray[np.float64]
 
 
 def size_text(size_m: Floats) -> str:

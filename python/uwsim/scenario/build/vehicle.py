@@ -1,29 +1,31 @@
-"""A scenario's vehicle as the core's VehicleSpec: hull, mass, actuators, sensors and multibeam."""
+"""A scenario's vehicle as the core's VehicleSpec, and a vehicle completed with what its file does not state."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from uwsim import _core
+from uwsim.base.arrays import Floats
 from uwsim.base.quaternions import about_z
-from uwsim.scenario.build.actuator import actuators_spec
-from uwsim.scenario.build.applied_wrench import applied_wrench
 from uwsim.scenario.build.arm import link_specs
-from uwsim.scenario.build.battery import battery_spec
-from uwsim.scenario.build.cast import require_temperature
-from uwsim.scenario.build.compressibility import buoyancy_share
-from uwsim.scenario.build.control import ControlSettings, built_settings
-from uwsim.scenario.build.craft import craft
-from uwsim.scenario.build.gravity import gravity_m_s2
-from uwsim.scenario.build.labels import backscatter_by_label
+from uwsim.scenario.build.craft import ControlSettings, built_settings, buoyancy_share, craft
+from uwsim.scenario.build.earth import gravity_m_s2
+from uwsim.scenario.build.equipment import (
+    actuators_spec,
+    applied_wrench,
+    battery_spec,
+    measures_temperature,
+    sensor_spec,
+)
+from uwsim.scenario.build.hull import is_boat, rigid_body
 from uwsim.scenario.build.loose_bodies import held_links
-from uwsim.scenario.build.multibeam import acoustic_spec, multibeam_model
-from uwsim.scenario.build.sensor import measures_temperature, sensor_spec
-from uwsim.scenario.build.start_pose import start_pose
+from uwsim.scenario.build.measured_water import require_temperature
+from uwsim.scenario.build.multibeam import acoustic_spec, backscatter_by_label, multibeam_model
+from uwsim.scenario.build.station import start_pose
 from uwsim.scenario.build.water import surface_density_kg_m3
 from uwsim.scenario.build.wind import windage
 from uwsim.scenario.read.errors import ScenarioError
@@ -31,7 +33,41 @@ from uwsim.scenario.spec.scenario import Scenario
 from uwsim.scenario.spec.vehicle import VehicleModel
 from uwsim.scenario.spec.vehicle_entry import VehicleEntry
 
-Vector = NDArray[np.float64]
+
+def completed(model: VehicleModel, density_kg_m3: float) -> tuple[VehicleModel, tuple[str, ...]]:
+    """Return a vehicle that states its volume, centre of buoyancy and inertia, and the keys that were added.
+
+    What its file does not state is that of its hull, in water of this density.
+    """
+    body = rigid_body(model, density_kg_m3)
+    own = {
+        "volume_m3": body.volume_m3,
+        "centre_of_buoyancy_m": tuple(map(float, body.centre_of_buoyancy_m)),
+        "inertia_kg_m2": tuple(map(float, body.inertia_kg_m2)),
+    }
+    added = {key: value for key, value in own.items() if getattr(model, key) is None}
+    return model.model_copy(update=added), tuple(added)
+
+
+def double_integrator(model: VehicleModel, density_kg_m3: float) -> VehicleModel:
+    """Return the simplest model of a vehicle: its masses and thrusters, without drag and lift; neutral, but for a boat.
+
+    A boat still floats upright.
+    """
+    whole, _ = completed(model, density_kg_m3)
+    still = dict.fromkeys(("linear_damping", "quadratic_damping"), (0.0,) * 6)
+    update: dict[str, Any] = {
+        **still,
+        "linear_damping_matrix": None,
+        "quadratic_damping_matrix": None,
+        "munk_share": 0.0,
+        "fins": {},
+    }
+    if not is_boat(model, density_kg_m3):
+        update |= {"buoyancy": "neutral", "mass_kg": None, "centre_of_buoyancy_m": whole.centre_of_mass_m}
+    return whole.model_copy(update={**update, "crossflow_length_m": 0.0, "windage": None})
+
+
 COLLISION_SHAPES = {"hull": _core.CollisionShape.HULL, "box": _core.CollisionShape.BOX}
 
 
@@ -93,7 +129,7 @@ def vehicle_errors_at(scenario: Scenario, index: int) -> Iterator[None]:
         raise ScenarioError(f"{file.line_prefix(*keys)}{file.place(*keys)}: {error}") from None
 
 
-def authority(craft: _core.Craft, full_wrench_body: tuple[Vector, Vector]) -> Vector:
+def authority(craft: _core.Craft, full_wrench_body: tuple[Floats, Floats]) -> Floats:
     """Return the acceleration from rest at full effort on each axis alone, deep in still water, (6,) [m/s2, rad/s2].
 
     full_wrench_body: ahead and astern wrenches, (6,) each; the smaller magnitude is used.

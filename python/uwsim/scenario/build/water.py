@@ -5,16 +5,21 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from uwsim import _core
-from uwsim.scenario.build.cast import levels_of, warn_of
-from uwsim.scenario.build.gravity import STANDARD_M_S2
-from uwsim.scenario.build.ocean import Place, ocean_current, put_masses, surface_mean
-from uwsim.scenario.build.tides import harmonic
+from uwsim.base.arrays import Floats
+from uwsim.scenario.build.earth import STANDARD_M_S2
+from uwsim.scenario.build.measured_water import (
+    Place,
+    harmonic,
+    levels_of,
+    ocean_current,
+    put_masses,
+    surface_mean,
+    warn_of,
+)
 from uwsim.scenario.read.current_grid import is_ocean, read_current_grid
 from uwsim.scenario.read.errors import ScenarioError
-from uwsim.scenario.spec.tides import Tide
 from uwsim.scenario.spec.water import (
     AirySurface,
     CurrentSpec,
@@ -30,11 +35,9 @@ from uwsim.scenario.spec.water import (
     UniformCurrent,
     Water,
 )
-from uwsim.scenario.spec.water_state import WaterState
+from uwsim.scenario.spec.water_parts import Tide, WaterState
 
 LINEAR_LEVELS = 17  # enough for linear pieces to match EOS-80 within 0.02 kg/m3 from -2 to 40 deg C
-
-Floats = NDArray[np.float64]
 
 
 def build_water(

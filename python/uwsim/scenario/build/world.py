@@ -1,29 +1,28 @@
-"""The core's world, for physics and ray casting: terrain, obstacles, station and water."""
+"""The core's world, for physics and ray casting: terrain, obstacles, station and water; and a simulation's settings."""
 
 from __future__ import annotations
 
+import math
 from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from uwsim import _core
-from uwsim.scenario.build.bubbles import add_plumes
-from uwsim.scenario.build.cover import add_cover
-from uwsim.scenario.build.gravity import gravity_m_s2
+from uwsim.base.quaternions import about_z
+from uwsim.scenario.build.cover import add_cover, add_life, add_plumes
+from uwsim.scenario.build.earth import gravity_m_s2
 from uwsim.scenario.build.hull import rigid_body, vehicle_hull
-from uwsim.scenario.build.life import add_life
 from uwsim.scenario.build.loose_bodies import object_points
-from uwsim.scenario.build.obstacles import obstacle_solid
 from uwsim.scenario.build.scale import require_fits, require_solid_fits
-from uwsim.scenario.build.start_pose import start_pose
-from uwsim.scenario.build.station import station_mesh
+from uwsim.scenario.build.solids import obstacle_solid
+from uwsim.scenario.build.station import carrier_index, dock_position, start_pose, station_mesh
 from uwsim.scenario.build.terrain import Terrain, build_terrain
 from uwsim.scenario.build.vehicle import vehicle_errors_at
 from uwsim.scenario.build.water import build_water
+from uwsim.scenario.build.wind import set_wind
 from uwsim.scenario.georeference import georeference
-from uwsim.scenario.read.collected import Collected
-from uwsim.scenario.read.errors import ScenarioError
+from uwsim.scenario.read.errors import Collected, ScenarioError
 from uwsim.scenario.spec.loose_body import LooseBody
 from uwsim.scenario.spec.scenario import Scenario
 from uwsim.scenario.spec.vehicle_entry import VehicleEntry
@@ -152,3 +151,24 @@ def _require_above(terrain: Terrain, point_m: tuple[float, float, float], what: 
         raise ScenarioError(f"{what} ({x:g}, {y:g}) m: outside the terrain, {terrain.extent_text}")
     if z <= bed:
         raise ScenarioError(f"{what} ({x:g}, {y:g}, {z:g}) m: must be above the bed, which is at z = {bed:g} m there")
+
+
+ENGINES = {"uwsim": _core.DynamicsEngine.UWSIM, "bullet": _core.DynamicsEngine.BULLET}
+
+
+def simulation_spec(scenario: Scenario) -> _core.SimulationSpec:
+    """Return all settings of the core's simulation except the world and the vehicles."""
+    spec = _core.SimulationSpec()
+    spec.step_s = scenario.step_s
+    spec.seed = scenario.seed
+    spec.engine = ENGINES[scenario.dynamics.engine]
+    spec.mission_time_s = scenario.mission_time_s
+    spec.station_world_m = scenario.station.position_m
+    spec.range_warning_m = scenario.warnings.range_m
+    spec.proximity_warning_m = scenario.warnings.proximity_m
+    set_wind(spec, scenario)
+    if (carrier := carrier_index(scenario)) is not None:
+        station = scenario.station
+        docked = dock_position(station), about_z(math.radians(station.yaw_deg))
+        spec.carry_station(carrier, station.position_m, *docked)
+    return spec

@@ -6,7 +6,8 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
-from uwsim.scenario.build.cover_meshes import Floats, Mesh, ball, lumps, merged, revolved, tube, unit
+from uwsim.base.arrays import Floats
+from uwsim.scenario.build.cover_meshes import Mesh, ball, lumps, merged, revolved, tube, unit
 from uwsim.scenario.spec.cover import CoverModel
 from uwsim.scenario.spec.fields import Name
 from uwsim.scenario.spec.material import Material, MaterialSpec

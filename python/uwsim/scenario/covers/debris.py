@@ -6,7 +6,7 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
-from uwsim.scenario.build.debris_meshes import lying_about
+from uwsim.scenario.build.cover_meshes import lying_about
 from uwsim.scenario.spec.cover import CoverModel, Mesh
 from uwsim.scenario.spec.fields import Name
 from uwsim.scenario.spec.material import Material, MaterialSpec

@@ -6,7 +6,8 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
-from uwsim.scenario.build.cover_meshes import Floats, merged, ribbon, tube, unit
+from uwsim.base.arrays import Floats
+from uwsim.scenario.build.cover_meshes import merged, ribbon, tube, unit
 from uwsim.scenario.spec.cover import CoverModel, LeansAt, Mesh
 from uwsim.scenario.spec.fields import Name
 from uwsim.scenario.spec.material import Material, MaterialSpec

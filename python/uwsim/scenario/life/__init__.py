@@ -1,1 +1,1 @@
-"""The kinds of life, one file each; see uwsim.scenario.spec.life."""
+"""The kinds of life, one file each; see uwsim.scenario.spec.cover."""

@@ -7,9 +7,9 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import model_validator
 
-from uwsim.scenario.build.fish_meshes import fish
+from uwsim.scenario.build.cover_meshes import fish
+from uwsim.scenario.spec.cover import LifeModel, Mesh
 from uwsim.scenario.spec.fields import InRange, Name, broken
-from uwsim.scenario.spec.life import LifeModel, Mesh
 from uwsim.scenario.spec.material import Material, MaterialSpec
 
 PHASES = 8

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, StrictBool, model_validator
 
+from uwsim.base.arrays import Floats
 from uwsim.scenario.build.cover_meshes import tube
 from uwsim.scenario.build.solids import bars, posed
 from uwsim.scenario.read.mesh_file import joined
@@ -21,7 +22,6 @@ PITCH = 5.0
 """Distance between the middles of a chain's links in radii of its bar: inside, a link is 5 radii long and 2 wide."""
 MAX_LINKS, MAX_BARS = 5000, 100_000
 Polyline = Annotated[tuple[Point3, ...], Field(min_length=2, max_length=200)]
-Floats = NDArray[np.float64]
 
 
 class Line(Placed):

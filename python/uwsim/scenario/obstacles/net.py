@@ -8,18 +8,17 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import model_validator
 
+from uwsim.base.arrays import Floats
 from uwsim.scenario.build.solids import posed
 from uwsim.scenario.obstacles.ring import torus
 from uwsim.scenario.read.mesh_file import joined
 from uwsim.scenario.spec.fields import InRange, Name, Size, broken
 from uwsim.scenario.spec.material import Material, MaterialSpec
-from uwsim.scenario.spec.obstacle import LEVEL, Bed, Placed, Solid
-from uwsim.scenario.spec.part import Part
+from uwsim.scenario.spec.obstacle import LEVEL, Bed, Part, Placed, Solid
 
 MAX_KNOTS = 100_000
 COLLAR_M, SINKER_M = 0.2, 0.08
 """Radii of the floating collar and of the sinker ring at the foot of the wall."""
-Floats = NDArray[np.float64]
 
 
 class Net(Placed):

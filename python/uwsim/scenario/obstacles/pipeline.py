@@ -11,17 +11,23 @@ from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
 from uwsim import _core
-from uwsim.scenario.build.pipe_parts import Course, pipe_debris, pipe_leaks, pipe_parts
-from uwsim.scenario.build.pipe_shape import DEBRIS, Rings, all_features, pipe_rings, triangle_albedos
+from uwsim.scenario.build.pipeline import (
+    DEBRIS,
+    Course,
+    Rings,
+    all_features,
+    pipe_debris,
+    pipe_leaks,
+    pipe_parts,
+    pipe_rings,
+    triangle_albedos,
+)
 from uwsim.scenario.build.solids import SIDES, Mesh, bed_below
 from uwsim.scenario.read.mesh_file import joined
 from uwsim.scenario.read.textures import Texture, palette_texture
-from uwsim.scenario.spec.bubble_plume import BubblePlume
 from uwsim.scenario.spec.fields import InRange, Name, Point2, broken
 from uwsim.scenario.spec.material import Material, MaterialSpec
-from uwsim.scenario.spec.obstacle import Bed, OnBed, Solid
-from uwsim.scenario.spec.part import Part
-from uwsim.scenario.spec.pipe_condition import PipeCondition
+from uwsim.scenario.spec.obstacle import Bed, BubblePlume, OnBed, Part, PipeCondition, Solid
 
 MAX_BEND_DEG = 120.0
 

@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim.base.cut_short import warn_if_cut_short
+from uwsim.base.caught_warnings import warn_if_cut_short
 from uwsim.base.reader import reader_of
 from uwsim.base.texts.text_file import read_limited
 from uwsim.scenario.read.cast_levels import Cast, Columns, Limits, levels_of

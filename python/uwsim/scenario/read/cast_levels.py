@@ -10,9 +10,9 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.base.arrays import Floats
 from uwsim.scenario.read.cast_quantity import LATITUDE_DEG, PRESSURE, depth_at_m
 
-Floats = NDArray[np.float64]
 MOST_LEVELS = 10_000
 
 

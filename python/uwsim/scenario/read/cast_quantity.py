@@ -6,9 +6,9 @@ import re
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from uwsim.base.arrays import Floats
+
 Unit = tuple[float, float]  # factor and offset to the unit of ours
 PRESSURE = "pressure_dbar"
 LATITUDE_DEG = 45.0

@@ -5,13 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwsim.base.arrays import Floats
 from uwsim.base.npz import read_npz
 from uwsim.base.texts.csv_table import read_csv
 from uwsim.scenario.read.errors import ScenarioError
-
-Floats = NDArray[np.float64]
 
 
 def is_ocean(path: Path) -> bool:

@@ -1,8 +1,9 @@
-"""The common error for scenario, terrain and mesh files, and the warning about repaired files."""
+"""The common error for scenario, terrain and mesh files, warnings about repaired files, and collected errors."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 
 
 class ScenarioError(ValueError):
@@ -33,3 +34,24 @@ class RepairWarning(UserWarning):
 
 class CastWarning(UserWarning):
     """Issued where a cast is not used as a whole, or lacks what is assumed instead. The message is one line."""
+
+
+class Collected:
+    """The mistakes found so far, one line each."""
+
+    def __init__(self) -> None:
+        self.mistakes: list[str] = []
+
+    @contextmanager
+    def noted(self) -> Iterator[None]:
+        """Catch a ScenarioError raised in the block and record its mistakes, but for one that came up elsewhere."""
+        try:
+            yield
+        except ScenarioError as error:
+            known = tuple(each.partition(": ")[2] or each for each in self.mistakes)
+            self.mistakes += [each for each in error.mistakes if not each.endswith(known)]
+
+    def raise_any(self) -> None:
+        """Raise one ScenarioError with all recorded mistakes, if there are any."""
+        if self.mistakes:
+            raise ScenarioError.of(self.mistakes)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from uwsim.base.cut_short import warn_if_cut_short
+from uwsim.base.caught_warnings import warn_if_cut_short
 
 MAX_HEADER = 65_536
 TEXT_SUFFIXES = (".obj", ".off", ".ply")

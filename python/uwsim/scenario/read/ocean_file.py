@@ -14,15 +14,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwsim.base.arrays import Floats
 from uwsim.base.extras import MissingExtraError
 from uwsim.base.texts.csv_table import read_csv
 from uwsim.base.texts.text_file import first_bytes
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.read.netcdf_file import NetcdfVariable, NotNetcdfError, read_netcdf
-
-Floats = NDArray[np.float64]
 
 MAX_CELLS = 20_000_000
 LENGTH = dict.fromkeys(("m", "meter", "meters", "metre", "metres"), (1.0, 0.0))

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 from pydantic import BaseModel
 from pydantic_core import ErrorDetails
 
-from uwsim.base.did_you_mean import did_you_mean
+from uwsim.base.named import did_you_mean
 from uwsim.base.texts.yaml_document import Key, YamlDocument, dotted
 from uwsim.scenario.read.errors import ScenarioError
 

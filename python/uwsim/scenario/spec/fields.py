@@ -30,8 +30,8 @@ from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 from pydantic_core.core_schema import ValidationInfo
 
-from uwsim.base.deferred_models import DEFER_BUILD
-from uwsim.base.did_you_mean import did_you_mean
+from uwsim.base.named import did_you_mean
+from uwsim.base.saved_state import DEFER_BUILD
 from uwsim.scenario.read.assets import find_asset, packaged_names
 from uwsim.scenario.read.validation_errors import HINTS, HINTS_MAX
 from uwsim.scenario.spec.json_schema import described, in_range

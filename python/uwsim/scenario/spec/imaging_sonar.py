@@ -1,11 +1,16 @@
-"""An imaging sonar on a vehicle, as read from its YAML file: kind, mount and overridden parameters.
+"""An imaging sonar on a vehicle, as read from its YAML file, and the table of its kinds.
 
-The kinds and their parameters are in the table of imaging_kind.py: a new kind needs no change here.
+Kinds of the native core, and those that packages derive from them in Python, are registered in the entry point group
+`uwsim.kinds.imaging_sonar`; docs/inside/extend.md adds one, and nothing else changes.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import inspect
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, fields
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -14,13 +19,101 @@ from pydantic import Field, GetJsonSchemaHandler, model_validator
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema
 
+from uwsim import _core
 from uwsim.base import quaternions
-from uwsim.base.did_you_mean import did_you_mean
+from uwsim.base.named import did_you_mean
+from uwsim.base.sockets import load, load_all, registered
 from uwsim.scenario.spec.fields import Model, Point3, YawPitchRoll, broken
-from uwsim.scenario.spec.imaging_kind import STRENGTHS, imaging_kind, imaging_kinds, usable_imaging_kinds
+from uwsim.scenario.spec.json_schema import SensorFigure, one_of_kinds
 from uwsim.scenario.spec.json_schema import figures as kind_figures
-from uwsim.scenario.spec.json_schema import one_of_kinds
-from uwsim.scenario.spec.parameter import checked_values
+from uwsim.scenario.spec.sensor_kind import Figure, checked_values
+
+GROUP = "uwsim.kinds.imaging_sonar"
+FIGURE = "figure"
+STRENGTHS = "strengths_db"
+"""The only parameter that is a mapping, from surface names to backscatter strengths; the core uses labels instead of
+names."""
+
+
+def figure(default: float, low: float, high: float, unit: str = "", meaning: str = "") -> Any:
+    """Return the dataclass field of a parameter that the core's kind does not have: a number in [low, high]."""
+    return field(default=default, metadata={FIGURE: Figure(math.nan, low, high, unit, meaning)})
+
+
+def own_figures(model: type[Any]) -> dict[str, Figure]:
+    """Return the parameters of a model that the core's kind does not have."""
+    return {each.name: each.metadata[FIGURE] for each in fields(model) if FIGURE in each.metadata}
+
+
+def core_kind(model: type[Any]) -> str:
+    """Return the kind of the core that computes a model's echoes: its own, or that of the model it is derived from.
+
+    Raises ValueError for a model without one.
+    """
+    for base in model.__mro__:
+        if (kind := base.__dict__.get("kind")) in _core.imaging_kinds():
+            return str(kind)
+    raise ValueError(f"{model.__name__}: must be derived from a model of {', '.join(_core.imaging_kinds())}")
+
+
+@dataclass(frozen=True)
+class ImagingKind:
+    """A kind of imaging sonar.
+
+    model: the class of its parameters, a dataclass whose defaults are those of a typical instrument. A kind of the core
+    derives it from uwsim.instruments.sonars.imaging.Acoustics, another one from the model of such a kind, whose result
+    it changes; its own parameters are fields made by `figure`. ping: called as ping(sim, world_from_sonar, model, name,
+    *arguments); pings once from a vehicle at the current time and returns the kind's result.
+    """
+
+    model: type[Any]
+    ping: Callable[..., Any]
+
+    @property
+    def name(self) -> str:
+        """The kind."""
+        return str(self.model.kind)
+
+    @property
+    def meaning(self) -> str:
+        """A description."""
+        if self.name == core_kind(self.model):
+            return _core.imaging_kind(self.name).meaning
+        return (inspect.getdoc(self.model) or "").partition("\n")[0].rstrip(".")
+
+    @property
+    def parameters(self) -> dict[str, SensorFigure]:
+        """The keys of this kind, besides STRENGTHS."""
+        return {**_core.imaging_kind(core_kind(self.model)).parameters, **own_figures(self.model)}
+
+
+def imaging_kinds() -> list[str]:
+    """Return the names of all kinds, uwsim's own first."""
+    return list(registered(GROUP))
+
+
+def usable_imaging_kinds() -> list[ImagingKind]:
+    """Return all kinds, uwsim's own first. Warns with SocketWarning of those of broken packages."""
+    return list(load_all(GROUP, _fitting).values())
+
+
+@cache
+def imaging_kind(name: str) -> ImagingKind:
+    """Return a kind. Raises ValueError for an unknown name, or one whose package is broken."""
+    found: ImagingKind = load(GROUP, name, _fitting)
+    return found
+
+
+def _fitting(name: str, kind: Any) -> ImagingKind:
+    if not isinstance(kind, ImagingKind):
+        raise TypeError(f"must be a {ImagingKind.__module__}.ImagingKind")
+    if kind.name != name:
+        raise TypeError(f"is named '{kind.name}'")
+    for each in fields(kind.model):
+        if each.name not in (*kind.parameters, STRENGTHS):
+            raise TypeError(f"{kind.model.__name__}.{each.name}: must be made by {figure.__module__}.figure")
+    return kind
+
 
 RADIANS, DEGREES = "_rad", "_deg"
 LOUDEST_DB = 300.0

@@ -1,19 +1,102 @@
 """The parts of a JSON Schema that pydantic cannot derive: descriptions, units, ranges, and kinds from core tables.
 
-Uses draft 7, which all editors support.
+Descriptions are parsed from docstrings with `key, other_key [unit]: words.` for each field. Uses draft 7, which all
+editors support.
 """
 
 from __future__ import annotations
 
+import functools
+import inspect
 import math
+import re
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, Protocol
 
 from pydantic import BaseModel
 from pydantic.json_schema import JsonSchemaValue
 
-from uwsim.scenario.spec.descriptions import descriptions, summary
-from uwsim.scenario.spec.sensor_figure import SensorFigure
+KEY = r"[a-z][a-z0-9_]*(?: \[[^\]]*\])?"
+KEYS = re.compile(rf"(?:^|(?<=[.;:] )|(?<=\n))({KEY}(?:,\s{KEY})*):\s")
+
+
+EVERYWHERE = {
+    "kind": "the kind; each kind has its own keys",
+    "name": "a letter followed by at most 39 letters, digits, '-' or '_'",
+    "description": "a one-line description",
+    "yaw_pitch_roll_deg": "rotations about z, then the new y, then the new x",
+    "material": "a material's name, or its kind and the values that differ",
+}
+"""Default descriptions of fields that most models share."""
+
+
+@functools.cache
+def descriptions(model: type[BaseModel]) -> dict[str, str]:
+    """Return the descriptions of a model's fields by name, from its own docstring or that of a base class."""
+    found = {key: words for key, words in EVERYWHERE.items() if key in model.model_fields}
+    for base in reversed(model.__mro__):
+        if issubclass(base, BaseModel):
+            found |= _described_in(base, frozenset(model.model_fields))
+    return found
+
+
+def _described_in(model: type[BaseModel], fields: frozenset[str]) -> dict[str, str]:
+    """Return the descriptions of these fields in a model's docstring; inherited fields may belong to another model."""
+    text = inspect.getdoc(model) or ""
+    found: dict[str, str] = {}
+    starts = [match for match in KEYS.finditer(text) if _fields(match[1]) & fields]
+    for k, match in enumerate(starts):
+        end = starts[k + 1].start() if k + 1 < len(starts) else len(text)
+        words = " ".join(text[match.end() : end].split())
+        found |= dict.fromkeys(_fields(match[1]), words)
+    matrices = {key + "_matrix": words for key, words in found.items() if key + "_matrix" in fields}
+    return matrices | found
+
+
+def summary(model: type[BaseModel]) -> str:
+    """Return the description of the model itself: the part of the docstring before the first field."""
+    text = inspect.getdoc(model) or ""
+    for match in KEYS.finditer(text):
+        if _fields(match[1]) & set(model.model_fields):
+            return " ".join(text[: match.start()].split())
+    return " ".join(text.split())
+
+
+def _fields(keys: str) -> set[str]:
+    return {key.partition(" ")[0] for key in re.split(r",\s", keys)}
+
+
+class SensorFigure(Protocol):
+    """A key of one kind of sensor; see _core.Parameter."""
+
+    @property
+    def width(self) -> int:
+        """The number of values."""
+
+    @property
+    def by_default(self) -> float:
+        """The default of each value; NaN if the key is required."""
+
+    @property
+    def low(self) -> float:
+        """The smallest value."""
+
+    @property
+    def high(self) -> float:
+        """The largest value."""
+
+    @property
+    def unit(self) -> str:
+        """The unit."""
+
+    @property
+    def type(self) -> str:
+        """One of "number", "whole number" and "flag"."""
+
+    @property
+    def meaning(self) -> str:
+        """A description."""
+
 
 UNIT = "x-unit"
 """Keyword for a number's unit; validators ignore unknown keywords."""

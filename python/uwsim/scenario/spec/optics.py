@@ -1,4 +1,4 @@
-"""The optical conditions of a scenario: water, sun, wind over the surface, particles."""
+"""The optical conditions of a scenario: water, also by its visibility, sun, wind over the surface, particles."""
 
 from __future__ import annotations
 
@@ -9,8 +9,28 @@ from pydantic import BeforeValidator, model_validator
 
 from uwsim import _core
 from uwsim.scenario.spec.fields import Degrees, InRange, Model, OneOf, broken
-from uwsim.scenario.spec.turbidity import scaled_to
-from uwsim.scenario.spec.wind import OPTICS_MOST_M_S
+from uwsim.scenario.spec.water_parts import OPTICS_MOST_M_S
+
+
+def visibility_m(water: _core.WaterOptics) -> float:
+    """Return the distance at which a diver can see a dark object horizontally: 4.8 / c, with c [1/m] at 550 nm.
+
+    Zaneveld and Pegau 2003, "Robust underwater visibility parameter", Optics Express 11, which gives the factor for 532
+    nm.
+    """
+    return 4.8 / float(water.beam_attenuation[1])
+
+
+def scaled_to(visibility: float | None, water: _core.WaterOptics) -> _core.WaterOptics:
+    """Return the water with all coefficients scaled alike to a visibility [m], or itself for None.
+
+    Raises ValueError if a coefficient would leave the core's range.
+    """
+    if visibility is None:
+        return water
+    share = visibility_m(water) / visibility
+    return _core.WaterOptics(share * water.diffuse_attenuation, share * water.absorption, share * water.scattering)
+
 
 PerMetre = Annotated[float, InRange(1e-4, 100, "1/m")]
 PerBand = tuple[PerMetre, PerMetre, PerMetre]

@@ -8,15 +8,12 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, PrivateAttr, model_validator
 
-from uwsim.base.did_you_mean import did_you_mean
-from uwsim.scenario.read.source_file import SourceFile
+from uwsim.base.named import did_you_mean
+from uwsim.scenario.read.spec_file import SourceFile
 from uwsim.scenario.read.validated import validated
-from uwsim.scenario.spec.cover import Cover
-from uwsim.scenario.spec.dynamics import Dynamics
-from uwsim.scenario.spec.earth import Earth
+from uwsim.scenario.spec.cover import Cover, Life
 from uwsim.scenario.spec.fault import FaultSpec
 from uwsim.scenario.spec.fields import InRange, Model, Name, broken
-from uwsim.scenario.spec.life import Life
 from uwsim.scenario.spec.link import LinkSpec
 from uwsim.scenario.spec.loose_body import LooseBody
 from uwsim.scenario.spec.material import Ground
@@ -24,17 +21,14 @@ from uwsim.scenario.spec.obstacle import ObstacleSpec
 from uwsim.scenario.spec.optics import Optics
 from uwsim.scenario.spec.pinger import Pinger, Sound
 from uwsim.scenario.spec.prop import PropEntry
-from uwsim.scenario.spec.station import Station
+from uwsim.scenario.spec.settings import Dynamics, Earth, Station, View, WarningLimits
 from uwsim.scenario.spec.survey import Survey
 from uwsim.scenario.spec.terrain import TerrainSpec
 from uwsim.scenario.spec.tether import BodyAnchor, Tethered
 from uwsim.scenario.spec.vehicle import VehicleModel
 from uwsim.scenario.spec.vehicle_entry import VehicleEntry
-from uwsim.scenario.spec.view import View
-from uwsim.scenario.spec.warning_limits import WarningLimits
 from uwsim.scenario.spec.water import Water
-from uwsim.scenario.spec.water_target import WaterTargetSpec
-from uwsim.scenario.spec.wind import LINK_MOST_M_S, OPTICS_MOST_M_S, Wind, in_wind
+from uwsim.scenario.spec.water_parts import LINK_MOST_M_S, OPTICS_MOST_M_S, WaterTargetSpec, Wind, in_wind
 
 MOST_OBJECTS = 200
 RESERVED_NAMES = ("nothing", "terrain", "station")

@@ -16,13 +16,36 @@ from pydantic_core import CoreSchema
 from pydantic_core.core_schema import ValidationInfo
 
 from uwsim import _core
-from uwsim.base.did_you_mean import did_you_mean
+from uwsim.base.named import did_you_mean
 from uwsim.scenario.read.spec_file import read_spec
 from uwsim.scenario.spec.fields import AssetName, InRange, Model, Name, Point3, YawPitchRoll, broken
 from uwsim.scenario.spec.json_schema import figures, one_of_kinds
-from uwsim.scenario.spec.parameter import checked_values
-from uwsim.scenario.spec.sensor_grade import GRADES
-from uwsim.scenario.spec.sensor_kind import DerivedKind, sensor_kind, sensor_kinds, usable_sensor_kinds
+from uwsim.scenario.spec.sensor_kind import DerivedKind, checked_values, sensor_kind, sensor_kinds, usable_sensor_kinds
+
+INS = (
+    "gyro_bias_deg_h", "gyro_random_walk_deg_sqrt_h", "accelerometer_bias_ug", "accelerometer_noise_ug_sqrt_hz",
+    "tilt_std_deg", "heading_std_deg",
+)  # fmt: skip
+
+GRADES: Mapping[str, Mapping[str, Mapping[str, float]]] = {
+    "ins": {
+        "navigation": dict(zip(INS, (0.01, 0.002, 50.0, 10.0, 0.003, 0.05), strict=True)),
+        "tactical": dict(zip(INS, (1.0, 0.05, 500.0, 50.0, 0.03, 0.5), strict=True)),
+        "mems": dict(zip(INS, (360.0, 2.0, 3000.0, 150.0, 0.2, 2.0), strict=True)),
+    },
+}
+"""The parameters of a kind of sensor by the name that data sheets use for a class of them.
+
+Inertial navigation systems, after El-Sheimy and Youssef 2020, "Inertial sensors technologies for navigation
+applications: state of the art and future trends", Satellite Navigation 1:2, table 1, which has a position error of 1
+nautical mile per hour and gyroscopes below 0.01 deg/h and 0.002 deg/sqrt(h) for navigation; 10 to 20 nautical miles per
+hour and 1 to 10 deg/h, 0.02 to 0.05 deg/sqrt(h) for tactical; 0.1 deg/s and several deg/sqrt(h) for mems, there called
+commercial; accelerometers of up to 100 ug for navigation, 1 to 5 mg for the lowest class. Values within these ranges,
+and those of accelerometers' noise and alignment, are assumed: an alignment at rest levels to bias / g, and finds north
+to the gyroscopes' bias over the horizontal part of the Earth's rotation, 0.01 deg/h / (15 deg/h cos 45 deg) = 0.05 deg;
+the others take their heading from elsewhere.
+"""
+
 
 SensorSetName = Annotated[str, AssetName("sensors")]
 Magnitude = Annotated[float, InRange(0, 1e9)]

@@ -21,20 +21,18 @@ from pydantic import (
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema, ErrorDetails, InitErrorDetails, PydanticCustomError
 
-from uwsim.base.did_you_mean import did_you_mean
-from uwsim.scenario.read.source_file import SourceFile
-from uwsim.scenario.read.spec_file import read_spec, spec_path
-from uwsim.scenario.spec.actuator import FinMount, ThrusterMount
+from uwsim.base.named import did_you_mean
+from uwsim.scenario.read.spec_file import SourceFile, read_spec, spec_path
+from uwsim.scenario.spec.actuator import Control, FinMount, ThrusterMount
 from uwsim.scenario.spec.arm import Link, links_in_order
+from uwsim.scenario.spec.battery import Failsafe
 from uwsim.scenario.spec.camera import CameraMounts, LampSwitches
-from uwsim.scenario.spec.control import Control
-from uwsim.scenario.spec.failsafe import Failsafe
 from uwsim.scenario.spec.fields import AssetFile, AssetName, Factor, InRange, Model, Name, Point3, broken
-from uwsim.scenario.spec.hydrophones import HydrophoneArray
 from uwsim.scenario.spec.imaging_sonar import ImagingMount
 from uwsim.scenario.spec.material import Material, MaterialSpec
+from uwsim.scenario.spec.pinger import HydrophoneArray
 from uwsim.scenario.spec.sensor import Sensors
-from uwsim.scenario.spec.wind import Windage
+from uwsim.scenario.spec.water_parts import Windage
 
 DENSITIES_KG_M3 = (100.0, 10_000.0)
 """Plausible densities of whole vehicles: from an empty pressure hull to a solid lump of metal."""

@@ -15,8 +15,7 @@ from pydantic import (
 )
 
 from uwsim.scenario.spec.fields import AssetFile, Degrees, InRange, Model, broken
-from uwsim.scenario.spec.tides import WORLD_BEGIN, Begin, Constituent, Tide
-from uwsim.scenario.spec.water_state import DEEPEST_M, SALTIEST_PSU, WaterState
+from uwsim.scenario.spec.water_parts import DEEPEST_M, SALTIEST_PSU, WORLD_BEGIN, Begin, Constituent, Tide, WaterState
 
 Celsius = Annotated[float, InRange(-2, 40, "deg C")]
 Salinity = Annotated[float, InRange(0, SALTIEST_PSU, "psu")]

@@ -16,9 +16,9 @@ from rasterio.errors import CRSError, RasterioError
 from rasterio.fill import fillnodata
 from rasterio.warp import transform
 
-from uwsim.base.cut_short import warn_if_cut_short
+from uwsim.base.caught_warnings import warn_if_cut_short
 from uwsim.mapping.files.georeference import WGS84, Georeference
-from uwsim.scenario.build.terrain_grid import SPLINE_MARGIN, grid_axes, pixel_ranges, resampled
+from uwsim.scenario.build.terrain import SPLINE_MARGIN, grid_axes, pixel_ranges, resampled
 from uwsim.scenario.build.whole_tiff import require_whole_tiff
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.read.netcdf_file import require_whole_netcdf

@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim.scenario.build.terrain_grid import FloatGrid, grid_axes, resampled
+from uwsim.scenario.build.terrain import FloatGrid, grid_axes, resampled
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.spec.fields import AssetFile, Metres, Size
 from uwsim.scenario.spec.terrain import MAX_NODES, TerrainModel

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from uwsim.scenario.build.simplex_noise import fractal_noise
-from uwsim.scenario.build.terrain_grid import FloatGrid, grid_axes, perlin_step
+from uwsim.scenario.build.terrain import FloatGrid, grid_axes, perlin_step
 from uwsim.scenario.read.disk_cache import cached_arrays
 from uwsim.scenario.spec.fields import InRange, Model, Point2, Size
 from uwsim.scenario.spec.terrain import TerrainModel

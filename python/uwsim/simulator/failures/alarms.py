@@ -12,7 +12,7 @@ from typing import Any, Literal, Protocol, get_args
 
 import numpy as np
 
-from uwsim.scenario.spec.failsafe import Failsafe
+from uwsim.scenario.spec.battery import Failsafe
 from uwsim.scenario.spec.sensor import SensorMount
 from uwsim.scenario.spec.vehicle import VehicleModel
 

@@ -13,7 +13,7 @@ from uwsim.base.saved_state import State, Tick
 from uwsim.base.sealed import Sealed
 from uwsim.navigation.control.controller import Controller
 from uwsim.navigation.sensor_choice import altimeter
-from uwsim.scenario.spec.failsafe import Failsafe as Figures
+from uwsim.scenario.spec.battery import Failsafe as Figures
 from uwsim.scenario.spec.vehicle import VehicleModel
 from uwsim.simulator.failures import manoeuvres
 from uwsim.simulator.failures.alarms import LOOK_S, Alarms, Cause, FailsafeCause
@@ -56,7 +56,7 @@ class FailsafeState(State):
 
 
 class Failsafe(Sealed):
-    """The failsafe of one vehicle; see uwsim.scenario.spec.failsafe for its parameters.
+    """The failsafe of one vehicle; see uwsim.scenario.spec.battery for its parameters.
 
     It acts only while the vehicle is released. state: its reaction: "" (none), hold, surface, return or go_on. cause:
     silence, battery, leak, thruster or sensor. alarms: the active alarms, as text. home_m: the position to which it

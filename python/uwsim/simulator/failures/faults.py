@@ -24,8 +24,7 @@ from uwsim.base.saved_state import State
 from uwsim.base.sealed import Sealed
 from uwsim.base.sockets import blaming
 from uwsim.instruments.distortion import Distortion
-from uwsim.scenario.read.collected import Collected
-from uwsim.scenario.read.errors import ScenarioError
+from uwsim.scenario.read.errors import Collected, ScenarioError
 from uwsim.scenario.spec.fault import FAULTS, FaultModel, FaultyVehicle, Overlay
 from uwsim.scenario.spec.scenario import Scenario
 from uwsim.simulator.failures.events import EventLog

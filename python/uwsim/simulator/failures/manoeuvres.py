@@ -9,7 +9,7 @@ import math
 from dataclasses import dataclass
 
 from uwsim.navigation.control.controller import Controller
-from uwsim.scenario.spec.failsafe import Failsafe
+from uwsim.scenario.spec.battery import Failsafe
 
 PULL_1_S = 0.3  # speed towards home, per metre of distance
 ARRIVED_M = 1.0

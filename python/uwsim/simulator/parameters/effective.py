@@ -5,16 +5,15 @@ from __future__ import annotations
 from typing import Any
 
 from uwsim.scenario import rigid_body
-from uwsim.scenario.build.optics import core_optics
+from uwsim.scenario.build.camera import core_optics
 from uwsim.scenario.build.water import surface_density_kg_m3
 from uwsim.scenario.spec.actuator import ThrusterMount
 from uwsim.scenario.spec.fields import Model
-from uwsim.scenario.spec.optics import Optics
+from uwsim.scenario.spec.optics import Optics, visibility_m
 from uwsim.scenario.spec.scenario import Scenario
 from uwsim.scenario.spec.sensor import Noise, SensorMount
-from uwsim.scenario.spec.sonar_setup import SonarSetup
-from uwsim.scenario.spec.turbidity import visibility_m
 from uwsim.scenario.spec.vehicle import VehicleModel
+from uwsim.scenario.spec.vehicle_entry import SonarSetup
 from uwsim.scenario.spec.water import LinearEnd, Water, WaterLevel
 
 NO_FORCES = (0.0,) * 6

@@ -5,11 +5,10 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from uwsim.scenario.spec.imaging_kind import STRENGTHS, imaging_kind
-from uwsim.scenario.spec.imaging_sonar import DEGREES, RADIANS, ImagingMount
+from uwsim.scenario.spec.imaging_sonar import DEGREES, RADIANS, STRENGTHS, ImagingMount, imaging_kind
+from uwsim.scenario.spec.json_schema import SensorFigure
 from uwsim.scenario.spec.scenario import Scenario
 from uwsim.scenario.spec.sensor import OWN_NOISE, SensorMount
-from uwsim.scenario.spec.sensor_figure import SensorFigure
 from uwsim.scenario.spec.sensor_kind import sensor_kind
 from uwsim.simulator.parameters.field_type import FieldType
 

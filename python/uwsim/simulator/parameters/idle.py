@@ -6,8 +6,8 @@ from uwsim.scenario.spec.fields import Model
 from uwsim.scenario.spec.optics import Optics
 from uwsim.scenario.spec.sensor import OWN_NOISE, Noise, SensorMount
 from uwsim.scenario.spec.sensor_kind import sensor_kind
-from uwsim.scenario.spec.sonar_setup import SonarSetup
 from uwsim.scenario.spec.vehicle import VehicleModel
+from uwsim.scenario.spec.vehicle_entry import SonarSetup
 from uwsim.scenario.spec.water import ONE_WATER, TableProfile, Water
 
 OF_PHYSICS_MODE = ("bending", "rays_per_beam", "noise")

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any, ClassVar, Protocol
 
-from uwsim.base.did_you_mean import did_you_mean
-from uwsim.base.named import UnknownNameError
+from uwsim.base.named import UnknownNameError, did_you_mean
 from uwsim.scenario import dump
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.spec.fields import Model

@@ -13,10 +13,9 @@ from uwsim.scenario.spec.imaging_sonar import ImagingMount
 from uwsim.scenario.spec.optics import WaterCoefficients
 from uwsim.scenario.spec.scenario import Scenario
 from uwsim.scenario.spec.sensor import SensorMount
-from uwsim.scenario.spec.sonar_setup import SonarSetup
-from uwsim.scenario.spec.station import Station
+from uwsim.scenario.spec.settings import Station
 from uwsim.scenario.spec.vehicle import VehicleModel
-from uwsim.scenario.spec.vehicle_entry import VehicleEntry
+from uwsim.scenario.spec.vehicle_entry import SonarSetup, VehicleEntry
 from uwsim.scenario.spec.water import (
     AirySurface,
     FieldProfile,

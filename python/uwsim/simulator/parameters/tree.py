@@ -8,9 +8,9 @@ from functools import cache
 from typing import Any, get_args
 
 from uwsim.base.axes import AXES
-from uwsim.scenario.spec.descriptions import descriptions
 from uwsim.scenario.spec.fields import Model
 from uwsim.scenario.spec.imaging_sonar import ImagingMount
+from uwsim.scenario.spec.json_schema import descriptions
 from uwsim.scenario.spec.scenario import Scenario
 from uwsim.scenario.spec.sensor import Noise, SensorMount
 from uwsim.simulator.parameters import table

@@ -7,8 +7,9 @@ from typing import ClassVar
 
 import numpy as np
 
-from uwsim.instruments.sonars.imaging import ForwardLooking, Matrix, Place, SonarImage, look_ahead
-from uwsim.scenario.spec.imaging_kind import ImagingKind, figure
+from uwsim.base.arrays import Floats
+from uwsim.instruments.sonars.imaging import ForwardLooking, Place, SonarImage, look_ahead
+from uwsim.scenario.spec.imaging_sonar import ImagingKind, figure
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -20,7 +21,7 @@ class Clipped(ForwardLooking):
     margin_db: float = figure(10.0, 0, 60, "dB", "least level above the noise")
 
 
-def ping(sim: Place, world_from_sonar: Matrix, model: Clipped, name: str, *, with_labels: bool = False) -> SonarImage:
+def ping(sim: Place, world_from_sonar: Floats, model: Clipped, name: str, *, with_labels: bool = False) -> SonarImage:
     """Return the core's picture, with the mean noise in place of faint echoes."""
     image = look_ahead(sim, world_from_sonar, model, name=name, with_labels=with_labels)
     noise_db = image.noise_db[:, None]

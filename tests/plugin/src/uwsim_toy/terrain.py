@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim.scenario.build.terrain_grid import grid_axes
+from uwsim.scenario.build.terrain import grid_axes
 from uwsim.scenario.spec.fields import InRange, Size
 from uwsim.scenario.spec.terrain import TerrainModel
 

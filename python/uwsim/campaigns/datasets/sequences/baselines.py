@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwsim.base.arrays import Floats
 from uwsim.campaigns.datasets.sequences.tum import Tum
 from uwsim.channels import Table
 from uwsim.channels.delivery.pictures import RATE_HZ
@@ -26,7 +26,6 @@ from uwsim.simulator.simulator import Simulator
 if TYPE_CHECKING:
     from uwsim.simulator.vehicle import Vehicle
 
-Array = NDArray[np.float64]
 FOLDER, RECKONING, FILTER = "baselines", "reckoning", "filter"
 ABSOLUTE = "usbl"
 
@@ -50,9 +49,9 @@ class Baselines:
         pings = table.pings.get(source.name) if source.has_sonar else None
         self.rate_hz = RATE_HZ if pings is None else pings.rate_hz
         self._navigators: dict[str, Navigator] = {}
-        self._poses: dict[str, list[Array]] = {}
+        self._poses: dict[str, list[Floats]] = {}
         self._times_ns: list[int] = []
-        self._true_m: list[Array] = []
+        self._true_m: list[Floats] = []
         self.errors: dict[str, dict[str, float]] = {}
 
     def read(self, sim: Simulator) -> None:
@@ -70,7 +69,7 @@ class Baselines:
         for name, poses in self._poses.items():
             self._write(name, poses)
 
-    def _write(self, name: str, poses: list[Array]) -> None:
+    def _write(self, name: str, poses: list[Floats]) -> None:
         from scipy.spatial.transform import Rotation  # slow to import
 
         file = Tum(self.folder / f"{name}.tum")

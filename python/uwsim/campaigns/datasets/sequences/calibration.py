@@ -7,15 +7,14 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwsim.base.arrays import Floats
 from uwsim.base.quaternions import matrix, of_yaw_pitch_roll_deg
 from uwsim.instruments.cameras import Camera
 from uwsim.instruments.cameras.frame import MOUNT_FROM_OPTICAL, CameraInfo
 from uwsim.instruments.sensors import Sensor
 from uwsim.scenario.spec.sensor import Noise, SensorMount
 
-Floats = NDArray[np.float64]
 GYROSCOPE, ACCELEROMETER = "angular_velocity", "linear_acceleration"
 
 

@@ -18,8 +18,8 @@ from typing import Any
 
 from uwsim.base.agenda import Rank, next_tick
 from uwsim.base.atomic_file import unfinished
-from uwsim.base.did_you_mean import did_you_mean
 from uwsim.base.folder_lock import LOCK, alone_in
+from uwsim.base.named import did_you_mean
 from uwsim.base.own_files import is_own, mark
 from uwsim.campaigns.datasets.sequences.baselines import Baselines
 from uwsim.campaigns.datasets.sequences.calibration import camera_chain, imu_noise, kalibr_imu, mounted

@@ -16,7 +16,7 @@ from uwsim.evidence.validate.motion.published import PUBLISHED
 from uwsim.evidence.validate.motion.published_thrusters import Propeller
 from uwsim.evidence.validate.motion.reference_solution import Array, resistance
 from uwsim.scenario import VehicleModel, load_vehicle
-from uwsim.scenario.spec.control import Control
+from uwsim.scenario.spec.actuator import Control
 from uwsim.simulator.simulator import Simulator
 
 STEP_S = 0.0005

@@ -18,7 +18,7 @@ from uwsim.evidence.validate.flights import deep_water, fly, times
 from uwsim.evidence.validate.motion.published import PUBLISHED
 from uwsim.evidence.validate.motion.reference_solution import GRAVITY_M_S2, Array, Coefficients, Flight, integrate
 from uwsim.scenario import VehicleModel
-from uwsim.scenario.spec.control import Control
+from uwsim.scenario.spec.actuator import Control
 
 STILL = (0.0,) * 6
 UNITS = ("m/s",) * 3 + ("rad/s",) * 3

@@ -18,7 +18,7 @@ from uwsim.base.axes import AXES
 from uwsim.base.texts.json_text import read_json
 from uwsim.base.whole_trimesh import trimesh
 from uwsim.evidence.validate.check import Check, relative
-from uwsim.scenario.build.potential_flow import added_mass_of_mesh
+from uwsim.scenario.build.hydrodynamics import added_mass_of_mesh
 
 Floats = NDArray[np.float64]
 Mesh = tuple[Floats, NDArray[np.integer]]

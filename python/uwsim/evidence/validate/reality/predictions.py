@@ -24,8 +24,8 @@ from uwsim.evidence.validate.reality import predicted_trials as trials
 from uwsim.evidence.validate.reality.arm_tilts import arm_at, flown_deg
 from uwsim.evidence.validate.report import row_console
 from uwsim.scenario import load_vehicle
+from uwsim.scenario.read.spec_file import read_yaml
 from uwsim.scenario.read.validated import validated
-from uwsim.scenario.read.yaml_file import read_yaml
 from uwsim.scenario.spec.actuator import load_thruster
 from uwsim.scenario.spec.fields import Model
 from uwsim.simulator.simulator import Simulator

@@ -15,12 +15,11 @@ from uwsim.instruments.sonars.imaging.acoustics import Acoustics, Place, check
 from uwsim.instruments.sonars.imaging.forward_looking import ForwardLooking, SonarImage, look_ahead
 from uwsim.instruments.sonars.imaging.side_scan import SideScan, Waterfall, look_aside
 from uwsim.instruments.sonars.imaging.single_beam import Profiles, SingleBeam, profile
-from uwsim.instruments.sonars.poses import Matrix, checked_pose, pose_matrix
+from uwsim.instruments.sonars.poses import checked_pose, pose_matrix
 
 __all__ = [
     "Acoustics",
     "ForwardLooking",
-    "Matrix",
     "Place",
     "Profiles",
     "SideScan",

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim import _core
-from uwsim.scenario.spec.imaging_kind import core_kind, own_figures
+from uwsim.scenario.spec.imaging_sonar import core_kind, own_figures
 
 Levels = NDArray[np.float32]
 Labels = NDArray[np.uint16]
@@ -67,7 +67,7 @@ class Acoustics:
     """
 
     kind: ClassVar[str] = ""
-    """Name of the kind in YAML; see uwsim.scenario.spec.imaging_kind."""
+    """Name of the kind in YAML; see uwsim.scenario.spec.imaging_sonar."""
 
     frequency_hz: float
     source_level_db: float

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from uwsim.base.arrays import Floats
 from uwsim.instruments.sonars.imaging.acoustics import (
     Acoustics,
     Labels,
@@ -19,8 +20,8 @@ from uwsim.instruments.sonars.imaging.acoustics import (
     noise_db,
     whole_number,
 )
-from uwsim.instruments.sonars.poses import Matrix, checked_pose, split_poses
-from uwsim.scenario.spec.imaging_kind import ImagingKind
+from uwsim.instruments.sonars.poses import checked_pose, split_poses
+from uwsim.scenario.spec.imaging_sonar import ImagingKind
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -68,7 +69,7 @@ class SonarImage:
     noise_db: Levels
     ranges_m: NDArray[np.float64]
     bearings_rad: NDArray[np.float64]
-    world_from_sonar: Matrix
+    world_from_sonar: Floats
     model: ForwardLooking
     labels: Labels | None = None
 
@@ -119,7 +120,7 @@ def look_ahead(
 
 
 def _ping(
-    sim: Place, world_from_sonar: Matrix, model: ForwardLooking, name: str, with_labels: bool = False
+    sim: Place, world_from_sonar: Floats, model: ForwardLooking, name: str, with_labels: bool = False
 ) -> SonarImage:
     return look_ahead(sim, world_from_sonar, model, name=name, with_labels=with_labels)
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from uwsim.base.arrays import Floats
 from uwsim.instruments.sonars.imaging.acoustics import (
     Acoustics,
     Labels,
@@ -20,8 +21,8 @@ from uwsim.instruments.sonars.imaging.acoustics import (
     noise_db,
     whole_number,
 )
-from uwsim.instruments.sonars.poses import Matrix, checked_pose, split_poses
-from uwsim.scenario.spec.imaging_kind import ImagingKind
+from uwsim.instruments.sonars.poses import checked_pose, split_poses
+from uwsim.scenario.spec.imaging_sonar import ImagingKind
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -67,7 +68,7 @@ class Waterfall:
     noise_db: Levels
     ranges_m: NDArray[np.float64]
     altitude_m: NDArray[np.float32]
-    world_from_sonar: Matrix
+    world_from_sonar: Floats
     model: SideScan
     port_labels: Labels | None = None
     starboard_labels: Labels | None = None
@@ -113,7 +114,7 @@ class Waterfall:
 
 
 def look_aside(
-    sim: Place, worlds_from_sonar: Sequence[ArrayLike] | Matrix, model: SideScan | None = None, *,
+    sim: Place, worlds_from_sonar: Sequence[ArrayLike] | Floats, model: SideScan | None = None, *,
     name: str = "side_scan", first_ping: int = 0, with_labels: bool = False,
 ) -> Waterfall:  # fmt: skip
     """Ping once from each pose (pings, 4, 4), x along the track. Raises ValueError if an argument is invalid.
@@ -134,7 +135,7 @@ def look_aside(
     return Waterfall(port, starboard, noise, model.bin_centres_m, altitude, poses, model, *labels)
 
 
-def _ping(sim: Place, world_from_sonar: Matrix, model: SideScan, name: str, with_labels: bool = False) -> Waterfall:
+def _ping(sim: Place, world_from_sonar: Floats, model: SideScan, name: str, with_labels: bool = False) -> Waterfall:
     return look_aside(sim, [world_from_sonar], model, name=name, first_ping=sim.time_ns, with_labels=with_labels)
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from uwsim.base.arrays import Floats
 from uwsim.instruments.sonars.imaging.acoustics import (
     Acoustics,
     Labels,
@@ -19,8 +20,8 @@ from uwsim.instruments.sonars.imaging.acoustics import (
     noise_db,
     whole_number,
 )
-from uwsim.instruments.sonars.poses import Matrix, checked_pose, split_poses
-from uwsim.scenario.spec.imaging_kind import ImagingKind
+from uwsim.instruments.sonars.poses import checked_pose, split_poses
+from uwsim.scenario.spec.imaging_sonar import ImagingKind
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -64,7 +65,7 @@ class Profiles:
     ranges_m: NDArray[np.float32]
     angles_rad: NDArray[np.float64]
     bin_centres_m: NDArray[np.float64]
-    world_from_sonar: Matrix
+    world_from_sonar: Floats
     model: SingleBeam
     labels: Labels | None = None
 
@@ -124,7 +125,7 @@ def profile(
 
 
 def _ping(
-    sim: Place, world_from_sonar: Matrix, model: SingleBeam, name: str, angles_rad: ArrayLike, with_labels: bool = False
+    sim: Place, world_from_sonar: Floats, model: SingleBeam, name: str, angles_rad: ArrayLike, with_labels: bool = False
 ) -> Profiles:
     return profile(sim, world_from_sonar, angles_rad, model, name=name, first_ping=sim.time_ns, with_labels=with_labels)
 

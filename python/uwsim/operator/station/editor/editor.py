@@ -16,7 +16,7 @@ from uwsim.base.atomic_file import write_atomically
 from uwsim.base.texts.yaml_document import read_yaml
 from uwsim.channels.guest import Values
 from uwsim.exercises.flyable import flyable
-from uwsim.flight.survey_check import checked
+from uwsim.flight.flyable_lanes import checked
 from uwsim.operator.station.editor.draft import Draft
 from uwsim.operator.station.editor.files import MAX_BYTES, Place, SceneFiles, exercise_file
 from uwsim.operator.station.editor.meshes import Meshes
@@ -200,7 +200,7 @@ class Editor:
     def mistakes(self) -> list[str]:
         """Return the mistakes of the scenario or else of its exercise or, if there are none, warnings.
 
-        See flight.survey_check, and exercises.flyable for what `uwsim exercise` refuses.
+        See `checked` of flight.flyable_lanes, and exercises.flyable for what `uwsim exercise` refuses.
         """
         draft = self.draft
         with self._building:

@@ -10,7 +10,7 @@ from uwsim.base.texts.yaml_document import Key, YamlDocument, yaml_document
 from uwsim.exercises import Exercise
 from uwsim.operator.station.editor.yaml_change import block, with_value, without
 from uwsim.scenario import Scenario, ScenarioError
-from uwsim.scenario.read.source_file import SourceFile
+from uwsim.scenario.read.spec_file import SourceFile
 from uwsim.scenario.read.validated import validated
 
 EXERCISE = "exercise"

@@ -20,10 +20,9 @@ from uwsim.scenario.spec.json_schema import UNIT
 from uwsim.scenario.spec.loose_body import LOOSE_KINDS, LooseBody
 from uwsim.scenario.spec.prop import PropEntry
 from uwsim.scenario.spec.terrain import Stroke
-from uwsim.scenario.spec.tides import Tide
 from uwsim.scenario.spec.vehicle_entry import StartPose, VehicleEntry
 from uwsim.scenario.spec.water import CurrentSpec, SurfaceSpec
-from uwsim.scenario.spec.wind import Wind
+from uwsim.scenario.spec.water_parts import Tide, Wind
 
 Schema = Mapping[str, Any]
 NUMBERS = ("number", "integer")

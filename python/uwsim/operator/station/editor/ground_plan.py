@@ -9,7 +9,7 @@ import numpy as np
 from uwsim.channels.guest import Values
 from uwsim.operator.station.scene.scene import glb, plan_outline, thinned
 from uwsim.scenario import Scenario
-from uwsim.scenario.build.obstacles import obstacle_solid
+from uwsim.scenario.build.solids import obstacle_solid
 from uwsim.scenario.build.terrain import Terrain, build_terrain
 from uwsim.scenario.read.mesh_file import Triangles, Vertices
 from uwsim.scenario.spec.obstacle import ObstacleModel

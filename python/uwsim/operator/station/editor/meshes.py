@@ -21,8 +21,7 @@ from uwsim.base.arguments import is_number
 from uwsim.base.quaternions import about_y, about_z, matrix, product
 from uwsim.base.texts.json_text import json_value
 from uwsim.channels.guest import Values
-from uwsim.scenario.build.camera import core_camera
-from uwsim.scenario.build.optics import core_optics
+from uwsim.scenario.build.camera import core_camera, core_optics
 from uwsim.scenario.read.assets import assets_folder, find_asset
 from uwsim.scenario.read.mesh_file import load_mesh
 from uwsim.scenario.read.textures import load_texture

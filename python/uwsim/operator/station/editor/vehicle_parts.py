@@ -8,8 +8,7 @@ from typing import Any
 
 from uwsim.base.texts.yaml_document import Key
 from uwsim.scenario.read.assets import shown_name
-from uwsim.scenario.read.spec_file import spec_path
-from uwsim.scenario.read.yaml_file import read_yaml
+from uwsim.scenario.read.spec_file import read_yaml, spec_path
 
 BASES_MAX = 6
 

@@ -15,8 +15,8 @@ from uwsim.channels.guest import Values
 from uwsim.channels.source import Source
 from uwsim.operator.station.scene.basin import Basin, basin_among
 from uwsim.scenario import start_pose, vehicle_hull
-from uwsim.scenario.build.camera_scene import obstacle_texture, station_texture
-from uwsim.scenario.build.obstacles import obstacle_solid
+from uwsim.scenario.build.camera import obstacle_texture, station_texture
+from uwsim.scenario.build.solids import obstacle_solid
 from uwsim.scenario.build.station import station_at_start, station_mesh
 from uwsim.scenario.build.terrain import Terrain, build_terrain
 from uwsim.scenario.obstacles.pipeline import Pipeline

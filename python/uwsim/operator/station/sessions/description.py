@@ -17,7 +17,7 @@ from uwsim.channels.source import Source
 from uwsim.operator.station.scene.loose_objects import TOPIC as OBJECTS
 from uwsim.operator.station.sessions.running import Running
 from uwsim.operator.station.views.views import View, title
-from uwsim.scenario.spec.imaging_kind import core_kind
+from uwsim.scenario.spec.imaging_sonar import core_kind
 from uwsim.scenario.spec.tether import Tether
 from uwsim.simulator.vehicle import Vehicle
 

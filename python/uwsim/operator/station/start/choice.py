@@ -14,9 +14,9 @@ from uwsim.live.pace import Speed, checked_speed
 from uwsim.operator.station.start.user_rosbridge import UserRosbridge, checked_host, checked_port, checked_ros
 from uwsim.scenario import Scenario, ScenarioError, VehicleModel, load, load_vehicle, packaged_scenarios
 from uwsim.scenario.read.assets import packaged_names
-from uwsim.scenario.spec.modem import load_modem
+from uwsim.scenario.spec.link import load_modem
 from uwsim.scenario.spec.sonar import WIRE_NUMBERS, load_sonar
-from uwsim.scenario.spec.sonar_setup import SonarSetup
+from uwsim.scenario.spec.vehicle_entry import SonarSetup
 
 OF_ROSBRIDGE = ("rosbridge_host", "rosbridge_port", "rosbridge_ros")
 FIELDS = ("scenario", "vehicle", "sonar", "tilt_deg", "mission_time_s", "seed", "speed", "link", *OF_ROSBRIDGE)

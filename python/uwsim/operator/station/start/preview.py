@@ -13,7 +13,7 @@ from PIL import Image, ImageDraw, ImageFont
 from uwsim.operator.station.scene.scene import thinned
 from uwsim.scenario import Scenario, load
 from uwsim.scenario.build.loose_bodies import object_start
-from uwsim.scenario.build.obstacles import obstacle_solid
+from uwsim.scenario.build.solids import obstacle_solid
 from uwsim.scenario.build.station import dock_position, station_at_start
 from uwsim.scenario.build.terrain import Terrain, build_terrain
 

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 from pydantic import model_validator
 
-from uwsim.base.did_you_mean import did_you_mean
+from uwsim.base.named import did_you_mean
 from uwsim.scenario.spec.fault import FaultModel, FaultyVehicle
 from uwsim.scenario.spec.fields import InRange, Name, broken
 
