@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 
 from uwsim import _core
 from uwsim.evidence.validate.check import Check, at_most
-from uwsim.evidence.validate.echo_soundings import Ping, read_soundings
 from uwsim.evidence.validate.reality.kinds import PREDICTED
+from uwsim.mapping.files.gsf_read import read_gsf
+from uwsim.mapping.files.swath import Swath
 from uwsim.scenario.spec.link import BOTTOMS
 
 Floats = NDArray[np.float64]
@@ -46,29 +47,31 @@ def survey_check(path: Path, limit_s: float) -> Check:
 
     The ship's lever arm and draught explain these offsets.
     """
-    levels, pings = read_soundings(path)
+    head, swaths = read_gsf(path)
+    levels = np.column_stack([head.profile.depths_m, head.profile.speeds_m_s])
     thin = thinned(levels[levels[:, 0] < 12_000.0], PROFILE_WITHIN_M_S)
     profile = _core.SoundSpeedProfile(thin[:, 0], thin[:, 1])
-    left_s = np.concatenate([_left_s(profile, ping, k % EVERY) for k, ping in enumerate(pings)])
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # a file without the transducer's depth is one whose offset is fitted
+        left_s = np.concatenate([_left_s(profile, swath, k % EVERY) for k, swath in enumerate(swaths)])
     spread_s = 1.4826 * float(np.median(np.abs(left_s - np.median(left_s))))
     name = f"{path.stem}: robust sd of {len(left_s)} two-way times"
     return at_most(f"{PREDICTED}: EM 302", name, 1e3 * limit_s, 1e3 * spread_s, "ms")
 
 
-def _left_s(profile: _core.SoundSpeedProfile, ping: Ping, first: int) -> Floats:
+def _left_s(profile: _core.SoundSpeedProfile, swath: Swath, first: int) -> Floats:
     """Return the residual time differences of some of a ping's beams after fitting the two offsets."""
     rows, left = [], []
-    for time_s, depth_m, across_m, along_m in zip(
-        *(values[first::EVERY] for values in (ping.time_s, ping.depth_m, ping.across_m, ping.along_m)), strict=True
-    ):
+    seen = np.column_stack([swath.travel_time_s, swath.sounding_m])[np.isfinite(swath.travel_time_s)]
+    for time_s, along_m, across_m, depth_m in seen[first::EVERY].tolist():
         far_m = math.hypot(across_m, along_m)
         found = _core.arrivals(
-            profile, TRANSDUCER_M, float(depth_m), far_m, math.inf, 30e3, BOTTOMS["silt"], within_db=1e9, most_bounces=0
+            profile, TRANSDUCER_M, depth_m, far_m, math.inf, 30e3, BOTTOMS["silt"], within_db=1e9, most_bounces=0
         )
         if not found:
             continue
         ray = found[0]
-        speed = profile.at(float(depth_m))
+        speed = profile.at(depth_m)
         dip = ray.arrival_dip_rad
         rows.append([2 * math.sin(dip) / speed, 2 * math.cos(dip) / speed * across_m / max(far_m, 1e-6)])
         left.append(time_s - 2 * ray.time_s)
