@@ -1,6 +1,5 @@
 // The top bar: all stop, vehicle, lights, tilt, gain, holds, records, the controls, time.
 import { attempt, byId, capital, clockText, draw, el, first, fixed, targetOf } from './dom.js';
-import { recLamp } from './replay/rec_lamp.js';
 import { html, signal } from './vendor/preact.js';
 import { ALL_STOPPED } from './wire/messages.js';
 
@@ -25,6 +24,19 @@ const chosen = (act) => (event) => {
   act(event.target.value);
   event.target.blur();
 };
+
+// The lamp that shows whether the flight is being recorded: red if it is not.
+function recLamp({ state, description }) {
+  const isOff = !state.flight;
+  const why = isOff
+    ? state.flight_trouble || 'This flight is not recorded'
+    : `This flight is recorded as ${state.flight}`;
+  return html`
+    <span id="rec" class="rec ${isOff ? 'is-off' : ''}" role="status" title=${why} hidden=${!description?.is_recorded}>
+      ${isOff ? 'NO REC' : 'REC'}
+    </span>
+  `;
+}
 
 export class TopBar {
   /** @type {{ value: import('./wire/messages.js').VehicleDescription | null }} */

@@ -5,7 +5,6 @@ import { html, signal } from '../vendor/preact.js';
 import { Alarms } from './alarms.js';
 import { AllStop } from './all_stop.js';
 import { Arm } from './arm.js';
-import { bars } from './bars.js';
 import { ExercisePanel } from './exercise.js';
 import { failsafe } from './failsafe.js';
 import { Link } from './link.js';
@@ -35,6 +34,26 @@ function estimateText({ position, position_std: std, true_position: truth, is_tr
   if (!Number.isFinite(position[0])) return '';
   const off_m = Math.hypot(...position.map((value, k) => value - truth[k]));
   return `± ${fixed(Math.hypot(...std), 2)} m${isTruth ? `, truly ${fixed(off_m, 2)} m off` : ''}`;
+}
+
+// Bars from a middle line, for thrusters and efforts: values in [-1, 1], shown in percent.
+const bars = (names, values) =>
+  html`<div class="bars">${names.map((name, k) => bar(name, Math.max(-1, Math.min(1, values[k] ?? 0))))}</div>`;
+
+const bar = (name, part) => html`
+  <div title=${name.replaceAll('_', ' ')}>
+    <output aria-label=${name}>${Math.round(100 * part)}</output>
+    <div class="bar" aria-hidden="true">
+      <i style=${{ top: `${50 - 50 * Math.max(part, 0)}%`, height: `${50 * Math.abs(part)}%` }} />
+    </div>
+    <span aria-hidden="true">${shortened(name)}</span>
+  </div>
+`;
+
+// A short name that fits below a bar: "vertical_front_left" becomes "v f l", "T3" stays.
+function shortened(name) {
+  const words = name.split('_');
+  return words.length === 1 ? name.slice(0, 6) : words.map((word) => word.slice(0, words.length > 2 ? 1 : 2)).join('');
 }
 
 const section = (title, note, ...contents) =>
