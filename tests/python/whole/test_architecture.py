@@ -234,3 +234,9 @@ def test_the_dispatcher_tests_every_flag_that_its_files_are_compiled_with() -> N
         assert flags and flags <= tested, f"{name}: flags that are compiled with but not tested: {flags - tested}"
     elsewhere = [path for path in (ROOT / "cpp").rglob("*.*") if "__builtin_cpu_supports" in path.read_text()]
     assert elsewhere == [ROOT / "cpp/uwsim/core/instruction_set.cpp"]
+
+
+def test_no_folder_of_sources_has_more_than_30_files() -> None:
+    folders = [path for path in (ROOT / "python/uwsim").rglob("*") if path.is_dir()]
+    full = {path.name: count for path in folders if (count := len([*path.glob("*.py")])) > 30}
+    assert full == {"base": 31}, "the list may only become shorter"
