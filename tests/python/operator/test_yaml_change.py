@@ -80,9 +80,6 @@ def test_what_cannot_be_changed_alone_is_refused() -> None:
     ):
         with pytest.raises(ValueError, match=r"^t: [ab]"):
             with_value(text, "t", place, 2)
-
-
-def test_a_letter_is_not_removed_and_a_key_after_a_question_mark_is() -> None:
     with pytest.raises(ValueError, match=r"^t: a\[0\]: is not written there"):
         without("a: text\nb: 1\n", "t", ("a", 0))
     assert without("a: 1\n? b\n: 2\n", "t", ("b",)) == "a: 1\n"
