@@ -22,6 +22,7 @@ from uwsim.flight.pinging import ping_steps
 from uwsim.flight.record import BATTERY_EMPTY, DONE
 from uwsim.flight.survey import fly_survey
 from uwsim.missions import AdaptiveLawnMower, mow, wait
+from uwsim.missions.lawn_mower import COVERED
 from uwsim.scenario import load
 
 
@@ -46,6 +47,13 @@ def test_the_lawn_mower_as_a_mission_is_the_survey(surveyed, small_pool: Path, t
     parts = ("pings", "echoes", "vehicles", "simulated_s", "pings_with_warning", "ping_interval_s", "path_length_m")
     assert {name: values[name] for name in parts} == {name: expected[name] for name in parts}
     assert (tmp_path / "track-rov.csv").read_bytes() == (folder / "track-rov.csv").read_bytes()
+
+
+def test_run_and_mow_end_in_the_same_state_to_the_bit(small_pool: Path) -> None:
+    with uwsim.Simulator(small_pool) as ran, uwsim.Simulator(small_pool) as mown:
+        assert AdaptiveLawnMower(ran.rov, ran, survey_plan(ran.scenario.survey)).run() == COVERED
+        fly(partial(mowing, scenario=small_pool), mown, sample_sensors=False)
+        assert mown.save_state() == ran.save_state()
 
 
 def test_an_empty_battery_ends_every_flight_in_the_same_words() -> None:
