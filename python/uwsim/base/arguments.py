@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+import re
 import sys
 from collections.abc import Mapping, Sequence
 from typing import Any, TypeGuard
@@ -14,6 +15,9 @@ from numpy.typing import NDArray
 from uwsim.base.named import did_you_mean
 
 UNITS = {"_m_s": "m/s", "_m": "m", "_s": "s", "_rad": "rad"}
+Value = float | bool | str
+NAME = re.compile(r"(?=.{1,200}$)[A-Za-z][A-Za-z0-9_]*(/[A-Za-z][A-Za-z0-9_]*)*", re.ASCII)
+NAME_RULE = "must be letters, digits and _, beginning with a letter, between slashes, at most 200"  # ROS 2 allows 255
 
 
 def number(value: Any, name: str, unit: str = "") -> float:
@@ -85,3 +89,14 @@ def read_only(array: NDArray[np.float64]) -> NDArray[np.float64]:
     """Mark an array as read-only and return it, so that writing to this copy of the state raises an error."""
     array.setflags(write=False)
     return array
+
+
+def checked_value(name: str, given: Any) -> Value:
+    """Return a value that a topic can carry. name: the topic's. Raises ValueError."""
+    if not NAME.fullmatch(name.removeprefix("/")):
+        raise ValueError(f"log '{name:.80}': {NAME_RULE}")
+    value = plain(given, f"log '{name}'")
+    value = float(value) if isinstance(value, int | float) and not isinstance(value, bool) else value
+    if not isinstance(value, Value) or (isinstance(value, float) and not math.isfinite(value)):
+        raise ValueError(f"log '{name}' = {given!r:.60}: must be a finite number, a bool or a text")
+    return value

@@ -50,6 +50,7 @@ class Delivery:
     pictures. Their timing, but not their content, then depends on the machine. pieced: whether a late picture is
     assembled from earlier ones, so that its content also depends on the machine.
 
+    follow: instead of a rate: calls a function with each message from now on, and returns what ends that.
     catch_up: for a channel whose messages build on each other, returns one message with everything since a cursor
     (None: since the beginning), and the next cursor. It may be called on any thread. update: called between two steps
     at rate_hz, even without subscribers, once a server offers the channel, because the content of its messages keeps
@@ -63,6 +64,7 @@ class Delivery:
     late: bool = False
     pieced: bool = False
     catch_up: Callable[[Any], tuple[Any, Any]] | None = None
+    follow: Callable[[Simulator, Callable[[Any], object]], Callable[[], None]] | None = None
     update: Callable[[Simulator], object] | None = None
 
 

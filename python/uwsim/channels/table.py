@@ -20,6 +20,7 @@ from uwsim.channels.families import frames
 from uwsim.channels.families.cameras import station_cameras
 from uwsim.channels.families.estimate import has_estimate
 from uwsim.channels.families.frames import Tf
+from uwsim.channels.families.logged import logged_channels
 from uwsim.channels.families.map import PingMap
 from uwsim.channels.families.pings import Pings
 from uwsim.channels.families.published import TRUE_TOPICS, published_channels, station_picture
@@ -100,6 +101,9 @@ class Table:
             self.services += [each for each in items if isinstance(each, Service) and each.name != unserved]
             if self.has_standard:
                 self.channels += self._vehicles(source, [each for each in items if isinstance(each, Channel)])
+
+        self.channels += logged_channels(sim, {each.name for each in self.channels}) if self.has_standard else []
+        sim.logged.offered.add(self)
 
     def __repr__(self) -> str:
         return f"<Table of {len(self.channels)} channels and {len(self.services)} services>"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import AbstractContextManager, nullcontext
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -147,7 +148,10 @@ class Watch:
         self._measured = measured or nullcontext()
         self._on_tape = tape
         self._step_ns = round(sim.step_s * 1e9)
-        self._channels = list(channels)
+        given = list(channels)
+        self._channels = [channel for channel in given if channel.delivery.follow is None]
+        self._followed = [channel for channel in given if channel.delivery.follow is not None]
+        self._ends: list[Callable[[], None]] = []
         self._subscriptions = [self._subscription(channel) for channel in self._channels]
         self._read_together: dict[tuple[int | None, ...], list[Subscription | Notes]] = {}
         self._due_ticks = dict.fromkeys((period_ns for period_ns, _ in self._subscriptions), NEVER)
@@ -162,12 +166,17 @@ class Watch:
         """Read all channels now, and start watching. Call this on the simulator's thread."""
         with self._measured:
             self._read_all()
+        for channel in self._followed:
+            assert channel.delivery.follow is not None
+            self._ends.append(channel.delivery.follow(self._sim, partial(self._receive, channel)))
         self._sim.journal.listen(self)
         self._sim.agenda.add(self, Rank.OBSERVER, self.act)
         self._sim.lockstep.listeners += (self._begin_tape,)
 
     def stop(self) -> None:
         """Stop watching."""
+        for end in self._ends:
+            end()
         self._sim.journal.detach(self)
         self._sim.agenda.remove(self)
         self._sim.lockstep.listeners = tuple(one for one in self._sim.lockstep.listeners if one != self._begin_tape)

@@ -333,8 +333,7 @@ class Helm:
         elif failsafe is not None and failsafe.has_control:
             failsafe.insist()
             self._warn_once(
-                FailsafeWarning,
-                f": {self.refusal(Source.PILOT)}: commands have no effect before override_failsafe()",
+                FailsafeWarning, f": {self.refusal(Source.PILOT)}: commands have no effect before override_failsafe()"
             )
         elif self.holds is not None and self.holds.has_control:
             if stick is None:
@@ -371,9 +370,7 @@ class Helm:
     def warn_of_dock(self) -> None:
         """Warn, once, that the vehicle is being commanded while docked."""
         self._warn_once(
-            DockedWarning,
-            " is docked: its commands have no effect before release(), undock() or place()",
-            stacklevel=6,
+            DockedWarning, " is docked: its commands have no effect before release(), undock() or place()", stacklevel=6
         )
 
     def warn_of_idle(self, axes: Iterable[str], controllable: Iterable[str]) -> None:

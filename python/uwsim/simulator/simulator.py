@@ -42,6 +42,7 @@ from uwsim.simulator.arm import sensed
 from uwsim.simulator.docking import Dock
 from uwsim.simulator.failures import Aboard, EventLog, Faults
 from uwsim.simulator.lockstep import Lockstep
+from uwsim.simulator.logged import Logged
 from uwsim.simulator.loose_body import LooseBody, loose_bodies
 from uwsim.simulator.network import Network
 from uwsim.simulator.onboard_navigation import Estimates, new_navigator
@@ -79,6 +80,7 @@ class Simulator(SimulatorProperties):
     tethers: Named[Tether]
     events: EventLog
     faults: Faults
+    logged: Logged
     _changed_by = MappingProxyType(
         {
             "optics": "set_optics()",
@@ -147,6 +149,7 @@ class Simulator(SimulatorProperties):
         self._digest: tuple[Scenario, str] | None = None
         self.threads = threads
         self.events = EventLog(scenario.step_s)
+        self.logged = Logged()
         self._world = world
         self._fixed_world = _core.FixedWorld(world)
         self.scene = scene
@@ -319,6 +322,15 @@ class Simulator(SimulatorProperties):
         self._estimates.restore({})
         self.agenda.jump()
         self.journal.note("reset", seed=scenario.seed)
+
+    def log(self, topic: str, values: Mapping[str, Any]) -> None:
+        """Send values of your own: of `sim.log("/size", {"length_m": 1.2})`, the topic is /size/length_m.
+
+        Numbers, bools and texts, by name. Recorders and servers offer the topics that were logged before they opened.
+        While a LiveSimulator runs, call this in `live.read`. Values are not part of the state, and a replay does not
+        repeat them. Raises ValueError.
+        """
+        self.logged.log(topic, values)
 
     def save_state(self) -> bytes:
         """Save everything that future results depend on, except the scenario and the seed.

@@ -83,15 +83,7 @@ class Tether:
         ends = [read_only(np.array(force)) for force in now.end_forces_n]
         found = turns(points, self._axes) if broken is None else dict.fromkeys(self._axes, 0)
         return TetherReading(
-            read_only(points),
-            read_only(tensions),
-            ends[0],
-            ends[1],
-            now.length_m,
-            now.rate_m_s,
-            broken,
-            whole,
-            found,
+            read_only(points), read_only(tensions), ends[0], ends[1], now.length_m, now.rate_m_s, broken, whole, found
         )
 
     @property

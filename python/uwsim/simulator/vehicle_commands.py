@@ -201,10 +201,7 @@ class CommandedVehicle(Attached, Placeable):
         """
         self._put(_core.BodyState(position_world_m, orientation_xyzw, velocity_body))
         self._note(
-            "place",
-            position_world_m=position_world_m,
-            orientation_xyzw=orientation_xyzw,
-            velocity_body=velocity_body,
+            "place", position_world_m=position_world_m, orientation_xyzw=orientation_xyzw, velocity_body=velocity_body
         )
 
     def set_winch(self, rate_m_s: float | None = None, tension_n: float | None = None) -> None:

@@ -11,7 +11,7 @@ from typing import Any, Protocol
 from uwsim.channels.channel import Channel
 from uwsim.channels.ros.cdr import encode
 from uwsim.channels.ros.messages import from_bytes
-from uwsim.live import LiveSimulator, Subscription
+from uwsim.live import LiveSimulator
 from uwsim.simulator.simulator import Simulator
 
 logger = logging.getLogger("uwsim.channels")
@@ -163,7 +163,7 @@ class _Tap:
         self.sinks: tuple[Sink, ...] = ()
         self._live = live
         self._channel = channel
-        self._subscription: Subscription | None = None
+        self._end: Callable[[], None] | None = None
         self._is_first = True
         self._sent: Any = None
 
@@ -172,8 +172,10 @@ class _Tap:
         self._is_first = True  # while paused, a reading of this tick may predate later commands
         if self._channel.rate_hz is not None:
             period_s, leads = 1.0 / self._channel.rate_hz, self._channel.delivery.leads
-            self._subscription = self._live.every(period_s, self._read, self._publish, leads=leads)
+            self._end = self._live.every(period_s, self._read, self._publish, leads=leads).cancel
         else:
+            if self._channel.delivery.follow is not None:
+                self._end = self._channel.delivery.follow(self._live.simulator, self._take)
             self.read_once(self._publish)
 
     def read_once(self, sink: Sink) -> None:
@@ -197,9 +199,13 @@ class _Tap:
 
     def close(self) -> None:
         """Stop reading."""
-        if self._subscription is not None:
-            self._subscription.cancel()
-            self._subscription = None
+        if self._end is not None:
+            self._end()
+            self._end = None
+
+    def _take(self, message: Any) -> None:
+        sim = self._live.simulator
+        self._publish(Reading(self._channel, message, sim.time_ns, sim.tick))
 
     def _read(self, sim: Simulator) -> Reading | None:
         is_first, self._is_first = self._is_first, False

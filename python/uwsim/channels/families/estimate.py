@@ -85,10 +85,7 @@ def _odometry(source: Source, noted: NDArray[np.float64], rate_variance: float) 
 
 
 def covariances(
-    errors: NDArray[np.float64],
-    turn: NDArray[np.float64],
-    linear_m_s: NDArray[np.float64],
-    rate_variance: float,
+    errors: NDArray[np.float64], turn: NDArray[np.float64], linear_m_s: NDArray[np.float64], rate_variance: float
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return the pose and twist covariances, each (6, 6), as ROS defines them, or (n, 6, 6) for n estimates.
 

@@ -20,11 +20,7 @@ def hold_fields(vehicle: Vehicle, estimate: Navigator | None) -> dict[str, Any]:
     if holds is None:
         return {"holds": [], "hold_targets": np.empty(0, np.float32), "hold_note": ""}
     targets = [_number(name, target, estimate) for name, target in holds.targets.items()]
-    return {
-        "holds": list(holds.targets),
-        "hold_targets": np.array(targets, np.float32),
-        "hold_note": holds.note,
-    }
+    return {"holds": list(holds.targets), "hold_targets": np.array(targets, np.float32), "hold_note": holds.note}
 
 
 def _number(name: str, target: list[float] | None, estimate: Navigator | None) -> float:

@@ -17,14 +17,7 @@ from uwsim.channels.authority.steering import ONE_THRUSTER, Steering
 from uwsim.channels.channel import COMMAND, Authority, Channel, Delivery, OverLink, ended_by
 from uwsim.channels.families.commands import THRUSTER, six
 from uwsim.channels.families.covariance import isotropic
-from uwsim.channels.families.instruments import (
-    DEFAULT_HZ,
-    UNOBSERVED,
-    Errors,
-    FilterInput,
-    dvl_message,
-    filter_input,
-)
+from uwsim.channels.families.instruments import DEFAULT_HZ, UNOBSERVED, Errors, FilterInput, dvl_message, filter_input
 from uwsim.channels.ros import build
 from uwsim.channels.source import Source
 from uwsim.live import LiveSimulator

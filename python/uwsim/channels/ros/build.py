@@ -22,12 +22,7 @@ IDENTITY_XYZW = (0.0, 0.0, 0.0, 1.0)
 # Rotations from an instrument's frame to its mount's (x ahead, y left, z up).
 OPTICAL_XYZW = (-0.5, 0.5, -0.5, 0.5)  # camera, REP 103: x right, y down, z ahead
 DOWN_XYZW = (1.0, 0.0, 0.0, 0.0)  # DVL, marine_acoustic_msgs/Dvl: x ahead, z along its beams
-FAN_XYZW = (
-    0.5**0.5,
-    0.0,
-    0.5**0.5,
-    0.0,
-)  # imaging sonar, marine_acoustic_msgs/ProjectedSonarImage: x up, z ahead
+FAN_XYZW = (0.5**0.5, 0.0, 0.5**0.5, 0.0)  # imaging sonar, marine_acoustic_msgs/ProjectedSonarImage: x up, z ahead
 
 
 def message(name: str, /, **fields: Any) -> Any:

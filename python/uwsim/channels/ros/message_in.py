@@ -18,14 +18,7 @@ import cbor2
 import numpy as np
 
 from uwsim.channels.ros.base64_text import from_base64
-from uwsim.channels.ros.message_out import (
-    BYTES,
-    NUMBERS,
-    TYPED_ARRAY_TAGS,
-    default_message,
-    default_value,
-    numpy_type,
-)
+from uwsim.channels.ros.message_out import BYTES, NUMBERS, TYPED_ARRAY_TAGS, default_message, default_value, numpy_type
 from uwsim.channels.ros.message_types import TIMES, Field, Kind, Ros, fields, shortened, typestore
 
 SLICE_NUMBERS = 16_384

@@ -12,6 +12,5 @@ if TYPE_CHECKING:
 
 __all__ = ["Aboard", "Event", "EventLog", "Failsafe", "Faults"]
 __getattr__ = lazy(
-    __name__,
-    {"Aboard": "aboard", "Event": "events", "EventLog": "events", "Failsafe": "failsafe", "Faults": "faults"},
+    __name__, {"Aboard": "aboard", "Event": "events", "EventLog": "events", "Failsafe": "failsafe", "Faults": "faults"}
 )
