@@ -78,7 +78,7 @@ def _of_picture(spec: DatasetSpec, name: str) -> str:
 def folders(spec: DatasetSpec) -> dict[str, str]:
     """Return the folder and suffix, such as depth/.png, of each kind of file written for a frame."""
     where = {name: folder for name, (folder, _) in PICTURES.items()} | {"multibeam": "multibeam/.npz"}
-    found = {name: where[_of_picture(spec, name)] for name in spec.write if name not in ("boxes", "sonar")}
+    found = {str(name): where[_of_picture(spec, name)] for name in spec.write if name not in ("boxes", "sonar")}
     if spec.writes("sonar"):
         found |= {name: f"{name}/.png" for name in ("sonar", "sonar_instances", "sonar_classes")}
         if spec.writes("arrays"):
