@@ -17,7 +17,6 @@ from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import elliprd
 
 from uwsim import _core
 from uwsim.base.arrays import Floats
@@ -155,12 +154,13 @@ def added_mass_of_ellipsoid(semi_axes_m: Floats, density_kg_m3: float) -> Floats
 
     Lamb 1932, "Hydrodynamics", arts. 114 and 115; the integrals alpha_0, beta_0, gamma_0 are Carlson's R_D.
     """
+    from scipy.special import elliprd  # not at the top: a scenario without ellipsoids needs no SciPy
+
     square = np.asarray(semi_axes_m, np.float64) ** 2
     product = float(np.prod(semi_axes_m))
     mass_kg = density_kg_m3 * 4.0 / 3.0 * np.pi * product
-    shape = np.array(
-        [2.0 / 3.0 * product * elliprd(square[(k + 1) % 3], square[(k + 2) % 3], square[k]) for k in range(3)]
-    )
+    integrals = elliprd(np.roll(square, -1), np.roll(square, -2), square)
+    shape = 2.0 / 3.0 * product * integrals
     moments = []
     for k in range(3):
         i, j = (k + 1) % 3, (k + 2) % 3
