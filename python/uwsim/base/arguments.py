@@ -39,6 +39,11 @@ def is_number(value: object) -> TypeGuard[float]:
     return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= sys.float_info.max
 
 
+def is_within(value: object, low: float, high: float, *, whole: bool = False) -> TypeGuard[float]:
+    """Return whether a decoded value is a number in [low, high], and a whole one if that is asked for."""
+    return is_number(value) and low <= value <= high and (not whole or value % 1 == 0)
+
+
 def require_positive(step: str = "", /, **values: float) -> None:
     """Raise ValueError unless all values are positive and finite. The name of each ends in its unit.
 

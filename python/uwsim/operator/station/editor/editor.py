@@ -38,8 +38,8 @@ class Editor:
 
     What a client leaves unsaved, for example as its page reloads, is there for the next who opens the same scenario.
     saved, exercises: the paths of the scenarios in the folder and of the exercises beside them, those of earlier
-    stations too, by their names on the start screen. Files that hold none are left out when they are listed. address:
-    of the files that belong to the scene, over HTTP. Methods may be called on any thread.
+    stations too, by their names on the start screen. Files that hold none are left out when they are listed. by: the
+    client that edits, or "". Methods may be called on any thread.
     """
 
     def __init__(self, folder: Path, threads: int | None) -> None:
@@ -51,13 +51,8 @@ class Editor:
         self._lock, self._changing, self._building = threading.Lock(), threading.Lock(), threading.Lock()
         self._draft: Draft | None = None
         self._base = SceneFiles("", "")  # those that were opened or saved last
-        self._by = self._opened = self._name = self._key = ""
+        self.by = self._opened = self._name = self._key = ""
         self.meshes = Meshes(folder)
-
-    @property
-    def by(self) -> str:
-        """The client that edits, or ""."""
-        return self._by
 
     def open(self, client: str, name: str, path: Path, *, is_of_same: bool) -> bool:
         """Open a scenario's file for a client. Raises ScenarioError or ValueError.
@@ -102,10 +97,10 @@ class Editor:
             is_of_same = is_of_same and name in (self._opened, self._name)
             self._key = secrets.token_hex(16)
             if kept is not None and is_of_same and kept.files != self._base:
-                self._by = client
+                self.by = client
                 return True
             draft = make()
-            self._draft, self._base, self._by = draft, draft.files, client
+            self._draft, self._base, self.by = draft, draft.files, client
             self._opened = self._name = name
             return False
 
@@ -123,14 +118,14 @@ class Editor:
     def close(self, client: str) -> None:
         """End a client's editing, and forget what was not saved."""
         with self._lock:
-            if client == self._by:
-                self._draft, self._by, self._key = None, "", ""
+            if client == self.by:
+                self._draft, self.by, self._key = None, "", ""
                 self.meshes.forget()
 
     def left(self, client: str) -> None:
         """End a client's editing, and keep what was not saved; a change that is being made is not waited for."""
-        if client == self._by:
-            self._by = ""
+        if client == self.by:
+            self.by = ""
 
     def act(self, request: Values) -> Place:
         """Change the scenario; return the place of a part that was added or moved, or (). Raises ValueError."""

@@ -47,7 +47,7 @@ class Lease:
 
         Otherwise record the request and raise ValueError.
         """
-        self._require_member(client)
+        self.require_member(client)
         if self.pilot not in ("", client) and not is_silent:
             wait_s = self._ask(client, now_s)
             note = f"you may ask again in {wait_s:.0f} s" if wait_s > 0 else "your wish is shown there"
@@ -91,6 +91,7 @@ class Lease:
         if client in self.asking:
             self.asking.remove(client)
 
-    def _require_member(self, client: str) -> None:
+    def require_member(self, client: str) -> None:
+        """Raise ValueError unless this connection has joined."""
         if client not in self.members:
             raise ValueError("join first")

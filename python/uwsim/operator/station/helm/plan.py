@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from uwsim.base.arguments import is_number
+from uwsim.base.arguments import is_within
 from uwsim.channels.guest import Values
 from uwsim.flight.flyable_lanes import STEP_M, flyable_lanes, required_survey, survey_plan
 from uwsim.live import LiveSimulator
@@ -57,9 +57,9 @@ class Plan:
         if not isinstance(points, list) or not 1 <= len(points) <= POINTS_MAX:
             raise ValueError(f"points_m: must be a list of 1 to {POINTS_MAX} points")
         for k, point in enumerate(points):
-            if not isinstance(point, list) or len(point) != 3 or not all(_is_within(x, -FAR_M, FAR_M) for x in point):
+            if not isinstance(point, list) or len(point) != 3 or not all(is_within(x, -FAR_M, FAR_M) for x in point):
                 raise ValueError(f"points_m[{k}]: must be three numbers in [-{FAR_M:g}, {FAR_M:g}] m")
-        if not _is_within(speed, *SPEEDS_M_S):
+        if not is_within(speed, *SPEEDS_M_S):
             raise ValueError(f"speed_m_s = {str(speed)[:40]}: must be in {list(SPEEDS_M_S)} m/s")
         x, y, z = (float(value) for value in origin_m)
         return cls([(p[0] - x, p[1] - y, min(p[2] - z, 0.0)) for p in points], float(speed))
@@ -170,7 +170,3 @@ def mission_of(plan: Plan) -> Any:
         return (yield from visit(vehicle, plan.points_world_m, plan.speed_m_s))
 
     return mission
-
-
-def _is_within(value: object, low: float, high: float) -> bool:
-    return is_number(value) and low <= value <= high

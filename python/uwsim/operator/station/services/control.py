@@ -8,8 +8,10 @@ from collections.abc import Callable
 from importlib.util import find_spec
 from pathlib import Path
 
-from uwsim.base.arguments import is_number
+from uwsim.base.arguments import is_number, is_within
 from uwsim.channels.guest import Values
+from uwsim.live import LiveSimulator
+from uwsim.operator.station.flights.replay import Replay
 from uwsim.operator.station.sessions.saves import save
 from uwsim.operator.station.sessions.sessions import Sessions
 
@@ -17,20 +19,17 @@ STEPS_MAX = 100_000
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,63}")
 
 
-def _resume(sessions: Sessions, request: Values) -> None:
+def _stepped(sessions: Sessions) -> Replay | LiveSimulator:
+    """Return what goes on when time does: the replay, if the simulator follows one."""
     running = sessions.present()
-    if running.replay is not None:
-        running.replay.resume()
-    else:
-        running.live.resume()
+    return running.live if running.replay is None else running.replay
 
 
 def _step(sessions: Sessions, request: Values) -> None:
     steps = request.get("steps", 1)
-    if not is_number(steps) or not 1 <= steps <= STEPS_MAX or steps % 1:
+    if not is_within(steps, 1, STEPS_MAX, whole=True):
         raise ValueError(f"steps = {str(steps)[:40]}: must be a whole number in [1, {STEPS_MAX}]")
-    running = sessions.present()
-    (running.live if running.replay is None else running.replay).step(int(steps))
+    _stepped(sessions).step(int(steps))
 
 
 def _speed(sessions: Sessions, request: Values) -> None:
@@ -38,13 +37,6 @@ def _speed(sessions: Sessions, request: Values) -> None:
     if not is_number(speed):
         raise ValueError(f"speed = {str(speed)[:40]}: must be a number; 0 for as fast as possible")
     sessions.present().live.speed = speed or "max"
-
-
-def _begin(sessions: Sessions, request: Values) -> None:
-    judged = sessions.present().judged
-    if judged is None:
-        raise ValueError("no exercise is flown")
-    judged.begin()
 
 
 def _save(sessions: Sessions, request: Values) -> str:
@@ -68,13 +60,6 @@ def _stop_recording(sessions: Sessions, request: Values) -> str:
     return f"recorded in {path}; `uwsim replay {path.name}` repeats it"
 
 
-def _seek(sessions: Sessions, request: Values) -> None:
-    replay = sessions.present().replay
-    if replay is None:
-        raise ValueError("no flight is replayed")
-    replay.seek(request.get("time_s")).result()
-
-
 def new_path(folder: Path, request: Values, default: str, suffix: str = "") -> Path:
     """Return a new path in a folder for the requested name. Raises ValueError if invalid or existing."""
     name = request.get("name", default)
@@ -90,16 +75,16 @@ def new_path(folder: Path, request: Values, default: str, suffix: str = "") -> P
 
 CONTROLS: dict[str, Callable[[Sessions, Values], str | None]] = {
     "pause": lambda sessions, request: sessions.present().live.pause(),
-    "resume": _resume,
+    "resume": lambda sessions, request: _stepped(sessions).resume(),
     "step": _step,
     "speed": _speed,
     "restart": lambda sessions, request: sessions.rewind(),
-    "begin": _begin,
+    "begin": lambda sessions, request: sessions.present().flown.begin(),
     "quit": lambda sessions, request: sessions.quit(),
     "save": _save,
     "record": _record,
     "stop_recording": _stop_recording,
-    "seek": _seek,
+    "seek": lambda sessions, request: sessions.present().replayed.seek(request.get("time_s")).result(),
     "helm": lambda sessions, request: f"you have the helm, starting at {sessions.branch()}",
 }
 OF_EXERCISES = ("begin", "restart", "record", "stop_recording")

@@ -39,7 +39,7 @@ class EditService:
         if action != "report":
             self._require(caller, is_open=action in OPENS)
         if action in OPENS:
-            if self._new(caller) if action == "new" else self._open(caller, request.get("scenario")):
+            if self._open(caller, request.get("scenario"), is_new=action == "new"):
                 message = "continues with what was not saved"
         elif action == "check":
             more = {"mistakes": self._editor.mistakes()}
@@ -68,8 +68,7 @@ class EditService:
     def _require(self, caller: str, *, is_open: bool) -> None:
         """Raise ValueError unless a client may edit now."""
         if self._sessions.running is None:
-            if caller not in self._lease.members:
-                raise ValueError("join first")
+            self._lease.require_member(caller)
         else:
             self._lease.require_pilot(caller)
         by = self._editor.by
@@ -79,17 +78,14 @@ class EditService:
             by_name = self._lease.members.get(by, "another client")
             raise ValueError(f"{by_name} edits a scenario" if by else "open a scenario first")
 
-    def _new(self, caller: str) -> bool:
-        """Open a new scene; return True if unsaved changes were left in it."""
-        if self._sessions.running is not None:
-            raise ValueError("a new scene is built on the start screen: quit first")
-        is_kept = self._editor.open_new(caller)
-        self._of = None
-        return is_kept
-
-    def _open(self, caller: str, name: object) -> bool:
-        """Open a scenario, or that of the simulator; return True if unsaved changes were left in it."""
-        if name is None:
+    def _open(self, caller: str, name: object, *, is_new: bool) -> bool:
+        """Open a new scene, a scenario, or that of the simulator; return True if unsaved changes were left in it."""
+        running = None
+        if is_new:
+            if self._sessions.running is not None:
+                raise ValueError("a new scene is built on the start screen: quit first")
+            is_kept = self._editor.open_new(caller)
+        elif name is None:
             running, choice = self._sessions.present(), self._sessions.choice
             scenario = running.live.simulator.scenario
             is_kept = self._editor.open_running(
@@ -98,13 +94,12 @@ class EditService:
                 lambda found: with_choice(found, choice, {}) == scenario,
                 is_of_same=self._of is running,
             )
-            self._of = running
-            return is_kept
-        saved = self._editor.saved
-        known = [*saved, *scenarios(self._sessions.offered)]
-        if not isinstance(name, str) or name not in known:
-            raise ValueError(f"scenario = {str(name)[:40]!r}: must be one of {', '.join(known)}")
-        path = saved[name] if name in saved else find_yaml(name, "scenarios")
-        is_kept = self._editor.open(caller, name, Path(path), is_of_same=self._of is None)
-        self._of = None
+        else:
+            saved = self._editor.saved
+            known = [*saved, *scenarios(self._sessions.offered)]
+            if not isinstance(name, str) or name not in known:
+                raise ValueError(f"scenario = {str(name)[:40]!r}: must be one of {', '.join(known)}")
+            path = saved[name] if name in saved else find_yaml(name, "scenarios")
+            is_kept = self._editor.open(caller, name, Path(path), is_of_same=self._of is None)
+        self._of = running
         return is_kept

@@ -71,6 +71,7 @@ def _camera_view(running: Running, view: View) -> Values:
 
 def _sonar_views(running: Running) -> list[Values]:
     """Return the views of imaging sonars, which are ordinary channels paced by simulated time."""
+    arrivals = running.arrivals
     return [
         {
             "name": source.topic(name), "title": title(source.topic(name)), "kind": core_kind(type(sonar.model)),
@@ -78,15 +79,11 @@ def _sonar_views(running: Running) -> list[Values]:
             "topic": f"/{source.topic(name)}/picture/compressed",
             "small_topic": f"/{source.topic(name)}/picture/compressed",
             "sonar": picture_geometry(sonar.model),
-            **_sonar_link(running, f"{source.topic(name)}/picture/compressed"),
+            **({} if arrivals is None else {"link": arrivals.pace(f"{source.topic(name)}/picture/compressed")}),
         }
         for source in running.table.sources
         for name, sonar in source.of(running.live.simulator).imaging_sonars.items()
     ]  # fmt: skip
-
-
-def _sonar_link(running: Running, channel: str) -> Values:
-    return {} if running.arrivals is None else {"link": running.arrivals.pace(channel)}
 
 
 def _vehicle(running: Running, source: Source, optional: set[str]) -> Values:

@@ -36,11 +36,6 @@ SHOWN = ("telemetry", "sensor_gauges", PLACED.name, "image_raw/compressed", "pic
 """Name endings of the channels that the page shows: a modem, with its low capacity, carries only these by default."""
 
 
-def piloted_commands() -> list[str]:
-    """Return the commands that a pilot may issue by name, in addition to the services `drive` and `all_stop`."""
-    return sorted(name for name, command in COMMANDS.items() if command.is_piloted)
-
-
 class Running:
     """A live simulator, from `start` to `stop`.
 
@@ -100,6 +95,20 @@ class Running:
         self.inspection = Inspection(self.snapshots, lambda: self.recorder, folder or Path.cwd())
 
     @property
+    def flown(self) -> Judged:
+        """The exercise that is flown. Raises ValueError if there is none."""
+        if self.judged is None:
+            raise ValueError("no exercise is flown")
+        return self.judged
+
+    @property
+    def replayed(self) -> Replay:
+        """The replay that the simulator follows. Raises ValueError if there is none."""
+        if self.replay is None:
+            raise ValueError("no flight is replayed")
+        return self.replay
+
+    @property
     def driver(self) -> str:
         """The kind of client, other than the pilot, whose command is in effect, or ""."""
         return next((name for each in self.table.steering.values() if (name := each.driver)), "")
@@ -117,10 +126,9 @@ class Running:
         load_navigation()
         if not self.live.running:
             self.live.start()
-        if self.carrier is not None:
-            self.carrier.start()
-        if self.arrivals is not None:
-            self.arrivals.start()
+        for link in (self.carrier, self.arrivals):
+            if link is not None:
+                link.start()
         for name, ping_map in self.maps.items():
             offered = [each for each in self.table.channels if each.read == ping_map.read_changes]
             for channel in offered:  # through the feed, which gives the whole map to a page that subscribes later
@@ -128,14 +136,9 @@ class Running:
             if not offered:
                 rate_hz = self.table.pings[name].rate_hz
                 self.live.every(1.0 / rate_hz, ping_map.read_changes, lambda message: None)
-        if self.objects is not None:
-            self.objects.start()
-        if self.life is not None:
-            self.life.start()
-        if self.judged is not None:
-            self.judged.start()
-        if self.flight is not None:
-            self.flight.start()
+        for watching in (self.objects, self.life, self.judged, self.flight):
+            if watching is not None:
+                watching.start()
 
     def join(self, rosbridge: UserRosbridge) -> None:
         """Join the user's rosbridge with the topics of the paper's simulator, as `uwsim ros connect` does."""
@@ -193,8 +196,12 @@ class Running:
             self.plan.stop(because)
 
     def commands(self) -> list[str]:
-        """Return the commands that a pilot may issue by name; in an exercise, only those to a vehicle are included."""
-        return [name for name in piloted_commands() if self.judged is None or COMMANDS[name].crosses_link]
+        """Return the commands that a pilot may issue by name, besides the services `drive` and `all_stop`.
+
+        In an exercise, only those to a vehicle are included.
+        """
+        piloted = [each for _, each in sorted(COMMANDS.items()) if each.is_piloted]
+        return [each.name for each in piloted if self.judged is None or each.crosses_link]
 
     def topics(self) -> list[GuestTopic]:
         """Return the topics of all views."""

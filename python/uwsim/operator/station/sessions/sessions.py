@@ -148,9 +148,7 @@ class Sessions:
 
         Efforts are zero at first. Time continues or remains paused, as before. Raises ValueError.
         """
-        replay = self.present().replay
-        if replay is None:
-            raise ValueError("no flight is replayed")
+        replay = self.present().replayed
         timeline, was_paused = replay.timeline, replay.live.paused
         replay.live.pause()
         state, time_s = replay.live.read(lambda sim: (sim.save_state(), sim.time_s)).result()

@@ -26,7 +26,7 @@ from uwsim.operator.station.site.answers import (
     page_file,
     with_policy,
 )
-from uwsim.operator.station.site.files import cloud, depth_tiff, map_file, sheet_file
+from uwsim.operator.station.site.files import map_file
 from uwsim.operator.station.site.token_page import token_page
 from uwsim.operator.station.station import Station
 
@@ -105,11 +105,6 @@ def _routed(routes: list[Route], of: Any, path: str) -> File:
     raise LookupError(path)
 
 
-def _named(running: Running, vehicle: str, suffix: str) -> str:
-    """Return the name of a map's file, which names its world."""
-    return f"{running.live.simulator.scenario.name}-{vehicle}.{suffix}"
-
-
 OF_EDITOR: list[Route] = [
     (r"terrain\.f32", lambda editor: (editor.draft.plan.heights(), "")),
     (r"(\d{1,9})/(\d{1,5})\.glb", lambda editor, plan, number: (editor.solid(int(plan), int(number)), "")),
@@ -122,13 +117,8 @@ ROUTES: list[Route] = [
     (r"/scene/chart\.f32", lambda running: (running.scene.chart(), "")),
     (r"/scene/mesh/(\d{1,5})\.glb", lambda running, number: (running.scene.mesh(int(number)), "")),
     (r"/scene/vehicle/([^/]+)\.glb", lambda running, name: (running.scene.hull(name), "")),
-    (r"/exercise/(sheet\.html|score\.json)", lambda running, name: (sheet_file(running, name), name)),
-    (r"/map/([^/]+)\.bt", lambda running, name: (map_file(running, name), _named(running, name, "bt"))),
-    (
-        r"/map/([^/]+)\.(ply|pcd)",
-        lambda running, name, suffix: (cloud(running, name, suffix), _named(running, name, suffix)),
-    ),
-    (r"/map/([^/]+)\.tif", lambda running, name: (depth_tiff(running, name), _named(running, name, "tif"))),
+    (r"/exercise/(sheet\.html|score\.json)", lambda running, name: (running.flown.sheet(name), name)),
+    (r"/map/([^/]+)\.(bt|ply|pcd|tif)", map_file),
     (r"/snapshot/(.+)\.png", lambda running, view: (running.snapshots.png(view), f"{view.replace('/', '-')}.png")),
     (r"/notes/notes\.(csv|geojson)", lambda running, suffix: (running.inspection.file(suffix), f"notes.{suffix}")),
     (r"/notes/(.+\.png)", lambda running, name: (running.inspection.picture(name), "")),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-from uwsim.base.arguments import is_number
+from uwsim.base.arguments import is_within
 from uwsim.bridges.doors.endpoint import ROSBRIDGE_PORT
 from uwsim.bridges.rosbridge.client import Client
 from uwsim.channels.ros.messages import Ros
@@ -51,7 +51,7 @@ def checked_port(value: object) -> int:
     """Return the port, which for None is rosbridge_server's default. Raises ValueError."""
     if value is None:
         return ROSBRIDGE_PORT
-    if not is_number(value) or value % 1 or not 1 <= value <= 65535:
+    if not is_within(value, 1, 65535, whole=True):
         raise ValueError(f"rosbridge_port = {str(value)[:40]}: must be a whole number in [1, 65535]")
     return int(value)
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
 
-from uwsim.base.arguments import is_number
+from uwsim.base.arguments import is_within
 from uwsim.channels.authority.steering import is_cut_off
 from uwsim.channels.delivery.pictures import WIDTHS
 from uwsim.channels.families.cameras import compressed_image
@@ -193,10 +193,10 @@ class Views:
         given = {name: request[name] for name in ("rate_hz", "width", "quality") if name in request}
         size = replace(view.large.size, **given)
         rates = f"in [0.1, {RATE_MAX_HZ:g}]"
-        _require(size.rate_hz is None or _is_within(size.rate_hz, 0.1, RATE_MAX_HZ), "rate_hz", size.rate_hz, rates)
+        _require(size.rate_hz is None or is_within(size.rate_hz, 0.1, RATE_MAX_HZ), "rate_hz", size.rate_hz, rates)
         widths = f"0 or in {list(WIDTHS)}"
-        _require(size.width == 0 or _is_within(size.width, *WIDTHS, whole=True), "width", size.width, widths)
-        _require(_is_within(size.quality, 1, 100, whole=True), "quality", size.quality, "in [1, 100]")
+        _require(size.width == 0 or is_within(size.width, *WIDTHS, whole=True), "width", size.width, widths)
+        _require(is_within(size.quality, 1, 100, whole=True), "quality", size.quality, "in [1, 100]")
         view.large.show(view.camera.resized(int(size.width) or view.camera.mount.width), size)
 
     def renew(self) -> None:
@@ -280,10 +280,6 @@ def _views(sim: Simulator, table: Table) -> Iterable[View]:
 def title(name: str) -> str:
     """Return a name as displayed by the page."""
     return " ".join(name.replace("_", " ").split("/")).capitalize()
-
-
-def _is_within(value: object, low: float, high: float, *, whole: bool = False) -> bool:
-    return is_number(value) and low <= value <= high and (not whole or value % 1 == 0)
 
 
 def _require(holds: bool, name: str, value: object, rule: str) -> None:

@@ -60,14 +60,8 @@ export class EditorBar {
     this.revert.disabled = Boolean(is_saved);
     [this.undo.disabled, this.redo.disabled, this.apply.hidden] = [!can_undo, !can_redo, !is_of_running];
     const offered = this.sections.filter(({ name }) => name !== 'starts');
-    fill(
-      this.section,
-      offered.map(({ name }) => [name, sectionName(name)]),
-    );
-    fill(
-      this.vehicle,
-      (vehicles ?? []).map((name, k) => [String(k), name]),
-    );
+    fill(this.section, Object.fromEntries(offered.map(({ name }) => [name, sectionName(name)])));
+    fill(this.vehicle, { ...vehicles });
     this.#showKinds();
   }
 
@@ -85,18 +79,15 @@ export class EditorBar {
   #showKinds() {
     const found = this.sections.find(({ name }) => name === this.section.value);
     const kinds = found?.kinds.map((each) => each.kind).filter(Boolean) ?? [];
-    fill(
-      this.kind,
-      kinds.map((each) => [each, each]),
-    );
+    fill(this.kind, Object.fromEntries(kinds.map((each) => [each, each])));
     this.kind.hidden = !kinds.length;
     this.vehicle.hidden = !found?.of_vehicle || this.vehicle.options.length < 2;
   }
 }
 
-// Fill a select with values and texts; its choice stays if it is still offered.
-function fill(select, pairs) {
+// Fill a select with texts by value; its choice stays if it is still offered.
+function fill(select, texts) {
   const chosen = select.value;
-  select.replaceChildren(...pairs.map(([value, text]) => el('option', { value }, text)));
-  if (pairs.some(([value]) => value === chosen)) select.value = chosen;
+  select.replaceChildren(...Object.entries(texts).map(([value, text]) => el('option', { value }, text)));
+  if (chosen in texts) select.value = chosen;
 }

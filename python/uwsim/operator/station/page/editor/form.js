@@ -1,5 +1,6 @@
 // The form of a part, with an input for each field of its kind.
 import { all, el, first } from '../dom.js';
+import { html, render } from '../vendor/preact.js';
 import { sectionName } from './parts.js';
 
 const ROWS_MAX = 100; // of a table; longer ones are edited in the file
@@ -150,48 +151,33 @@ export class PartForm {
       column.replace(/^(.*?)(_m|_m_s|_deg)?\[(\d)\]$/, (_, word, __, k) => `${word.split('_')[0]} ${'xyz'[k] ?? k}`),
     );
     const changed = (k, j, text) => send(rows.map((row, i) => (i === k ? row.with(j, numeric(text)) : row)));
-    const body = rows.map((row, k) =>
-      el(
-        'tr',
-        {},
-        ...columns.map((_, j) =>
-          el(
-            'td',
-            {},
-            el('input', {
-              ...plain,
-              defaultValue: shown(row[j]),
-              'aria-label': `${name} ${k + 1}: ${titles[j]}`,
-              'data-at': `${name} ${k * columns.length + j}`,
-              onchange: ({ target }) => changed(k, j, target.value),
-            }),
-          ),
-        ),
-        el(
-          'td',
-          {},
-          el(
-            'button',
-            { type: 'button', 'aria-label': `Remove row ${k + 1}`, onclick: () => send(rows.toSpliced(k, 1)) },
-            '✕',
-          ),
-        ),
-      ),
-    );
+    const cell = (row, k, j) => html`
+      <td>
+        <input ...${plain} defaultValue=${shown(row[j])} aria-label="${name} ${k + 1}: ${titles[j]}"
+          data-at="${name} ${k * columns.length + j}" onChange=${({ target }) => changed(k, j, target.value)} />
+      </td>
+    `;
+    const line = (row, k) => html`
+      <tr>
+        ${columns.map((_, j) => cell(row, k, j))}
+        <td>
+          <button type="button" aria-label="Remove row ${k + 1}" onClick=${() => send(rows.toSpliced(k, 1))}>✕</button>
+        </td>
+      </tr>
+    `;
     const next = () =>
       rows.length
         ? rows[rows.length - 1].map((value, j) => (j === 0 ? value + 1 : value))
         : usual.map((value) => value ?? 0);
-    return el(
-      'div',
-      { className: 'editor-rows' },
-      el(
-        'table',
-        {},
-        el('thead', {}, el('tr', {}, ...titles.map((title) => el('th', { scope: 'col' }, title)), el('td'))),
-        el('tbody', {}, ...body),
-      ),
-      el('button', { type: 'button', 'data-at': `${name} add`, onclick: () => send([...rows, next()]) }, 'Add a row'),
-    );
+    const table = html`
+      <table>
+        <thead><tr>${titles.map((title) => html`<th scope="col">${title}</th>`)}<td /></tr></thead>
+        <tbody>${rows.map(line)}</tbody>
+      </table>
+      <button type="button" data-at="${name} add" onClick=${() => send([...rows, next()])}>Add a row</button>
+    `;
+    const box = el('div', { className: 'editor-rows' });
+    render(table, box);
+    return box;
   }
 }

@@ -1,5 +1,6 @@
 // The table of all parts of a scenario. The arrow keys move through it.
 import { all, el, fixed } from '../dom.js';
+import { html, render } from '../vendor/preact.js';
 import { placeOf } from './geometry.js';
 import { sectionName } from './parts.js';
 
@@ -10,56 +11,40 @@ export class PartTable {
   // pick(index): called when a part is chosen. fieldsOf(part): the fields of its kind.
   constructor(pick, fieldsOf) {
     [this.#pick, this.#fieldsOf] = [pick, fieldsOf];
-    this.body = el('tbody');
-    const heads = ['Part', 'Kind', 'x, y [m]'].map((text) => el('th', { scope: 'col' }, text));
-    const caption = el('caption', { className: 'visually-hidden' }, 'All parts');
-    this.element = el(
-      'div',
-      { className: 'editor-table', onkeydown: (event) => this.#key(event) },
-      el('table', {}, caption, el('thead', {}, el('tr', {}, ...heads)), this.body),
-    );
+    this.element = el('div', { className: 'editor-table', onkeydown: (event) => this.#key(event) });
   }
 
   show(parts, selected) {
-    const hadFocus = this.body.contains(document.activeElement);
-    let section = '';
-    const rows = parts.flatMap((part, k) => {
-      const isNew = part.section !== section;
-      section = part.section;
-      const title = sectionName(section);
-      const head = el('tr', { className: 'editor-section' }, el('th', { colSpan: 3, scope: 'rowgroup' }, title));
-      return [...(isNew ? [head] : []), this.#row(part, k, selected)];
-    });
-    this.body.replaceChildren(...rows);
+    const hadFocus = this.element.contains(document.activeElement);
+    const row = (part, k) => html`
+      ${
+        part.section !== parts[k - 1]?.section &&
+        html`<tr class="editor-section"><th colspan="3" scope="rowgroup">${sectionName(part.section)}</th></tr>`
+      }
+      <tr class=${k === selected ? 'is-selected' : ''}>
+        <td>
+          <button type="button" aria-pressed=${k === selected} tabindex=${k === Math.max(selected, 0) ? 0 : -1}
+            onClick=${() => this.#pick(k)}>${part.name}</button>
+        </td>
+        <td class=${part.is_inherited ? 'is-inherited' : ''}>${part.is_inherited ? 'default' : part.kind}</td>
+        <td>${(placeOf(part, this.#fieldsOf(part)) ?? []).map((value) => fixed(value, 1)).join(', ')}</td>
+      </tr>
+    `;
+    const table = html`
+      <table>
+        <caption class="visually-hidden">All parts</caption>
+        <thead><tr>${['Part', 'Kind', 'x, y [m]'].map((head) => html`<th scope="col">${head}</th>`)}</tr></thead>
+        <tbody>${parts.map(row)}</tbody>
+      </table>
+    `;
+    render(table, this.element);
     const current = this.#buttons()[selected];
     current?.scrollIntoView({ block: 'nearest' });
     if (hadFocus) current?.focus();
   }
 
-  #row(part, index, selected) {
-    const place = placeOf(part, this.#fieldsOf(part));
-    const isSelected = index === selected;
-    const button = el(
-      'button',
-      {
-        type: 'button',
-        'aria-pressed': String(isSelected),
-        tabIndex: isSelected || (selected < 0 && index === 0) ? 0 : -1,
-        onclick: () => this.#pick(index),
-      },
-      part.name,
-    );
-    return el(
-      'tr',
-      { className: isSelected ? 'is-selected' : '' },
-      el('td', {}, button),
-      el('td', { className: part.is_inherited ? 'is-inherited' : '' }, part.is_inherited ? 'default' : part.kind),
-      el('td', {}, place ? place.map((value) => fixed(value, 1)).join(', ') : ''),
-    );
-  }
-
   #buttons() {
-    return [...all(this.body, 'button')];
+    return [...all(this.element, 'button')];
   }
 
   #key(event) {
