@@ -1,13 +1,17 @@
 """The scene editor in a real browser: by mouse and by keys, saved, started, and put into a paused simulator."""
 
 import base64
+from typing import Annotated
 
 import numpy as np
 import pytest
 import trimesh
 
 from browser import desk, judge, shows, until, when
+from uwsim.operator.station.editor.forms import OTHER_SCHEMAS, forms
 from uwsim.scenario import load
+from uwsim.scenario.spec.fields import InRange
+from uwsim.scenario.spec.water_parts import Wind
 
 SENT = "station.editor.state?.parts?.find(({{ name }}) => name === '{0}')?.values.{1}"
 
@@ -50,12 +54,11 @@ def start_page(here):
 
 @pytest.fixture
 def page(start_page):
-    """The page with the editor opened by a key: the scenario as it is kept, the whole chart, nothing chosen."""
-    page = start_page
-    page.evaluate("document.querySelector('#editor-dialog').close()")
-    page.locator("button.edit").press("Enter")
+    """The page with the editor opened: the scenario as it is kept, the whole chart, nothing chosen."""
+    page = start_page  # closed and opened again in the same frame
+    page.evaluate("document.querySelector('#editor-dialog').close(), document.querySelector('button.edit').click()")
     when(page, "document.querySelector('#editor-dialog').open && station.editor.state?.is_open")
-    assert page.evaluate("station.editor.selected") == -1
+    when(page, "station.editor.selected === -1")
     page.evaluate("station.editor.state.is_saved || station.editor.acts.revert()")
     when(page, "station.editor.state.is_saved")
     page.evaluate("station.editor.view === station.editor.chart || station.editor.acts.turn()")
@@ -66,10 +69,10 @@ def page(start_page):
     return page
 
 
-def dragged(page, start, by):
+def dragged(page, start, end):
     page.mouse.move(*start)
     page.mouse.down()
-    page.mouse.move(start[0] + by[0], start[1] + by[1], steps=3)
+    page.mouse.move(*end, steps=8)
     page.mouse.up()
 
 
@@ -154,10 +157,7 @@ def test_hills_and_trenches_are_drawn_on_the_bed_by_a_brush_and_by_keys(page):
     before = page.evaluate(depth, [-5, 5])
     page.locator(".editor-canvas").press("b")
     page.get_by_label("Height of a stroke").fill("3")
-    page.mouse.move(*chart_pixel(page, (-5, 2)))
-    page.mouse.down()
-    page.mouse.move(*chart_pixel(page, (-5, 8)), steps=8)
-    page.mouse.up()
+    dragged(page, chart_pixel(page, (-5, 2)), chart_pixel(page, (-5, 8)))
     when(page, "station.editor.part?.section === 'strokes'")
     strokes = "station.editor.state.parts.filter(({ section }) => section === 'strokes')"
     line = page.evaluate(f"{strokes}[0].values.line_m")
@@ -230,6 +230,32 @@ def test_in_3d_the_same_parts_are_moved_turned_added_and_undone_and_a_reload_kee
     when(page, "station.editor.state.is_saved && " + SENT.format("box", "position_m[1] === 0"))
 
 
+def test_a_prop_is_added_where_one_looks_stands_on_the_bed_and_is_seen_itself(page):
+    page.get_by_label("What to add").select_option("props")
+    page.locator(".editor-canvas").press("v")
+    when(page, "station.editor.scene?.gate.frames > 0")
+    page.mouse.click(*scene_pixel(page, (-3, -4, -5)))
+    when(page, "station.editor.parts.mark")
+    page.click(".editor-bar >> text=Add")
+    when(page, "station.editor.part?.section === 'props' && station.editor.scene.isWhole")
+    np.testing.assert_allclose(sent(page, "drum", "position_m"), [-3, -4, -5], atol=0.2)
+    shows(page, ".editor-message", "No mistakes")
+    page.evaluate("station.editor.change({ colour: [0.02, 0.2, 0.5] })")
+    when(page, SENT.format("drum", "colour") + " && station.editor.scene.isWhole")
+    points, colours = page.evaluate(
+        """() => {
+            const solids = [];
+            station.editor.scene.scene.traverse(({ material, geometry: { attributes } = {} }) => {
+                if (material?.type === 'MeshLambertMaterial' && attributes.color) solids.push(attributes);
+            });
+            return [Array.from(solids.at(-1).position.array), Array.from(solids.at(-1).color.array)];
+        }"""
+    )
+    points, colours = np.reshape(points, (-1, 3)), np.reshape(colours, (len(points) // 3, -1))[:, :3]
+    np.testing.assert_allclose(np.ptp(points, axis=0), [0.6, 0.6, 0.3], atol=0.03)  # a drum, no mark
+    assert points[:, 2].min() == pytest.approx(-5, abs=0.01) and np.unique(colours, axis=0).tolist() == [[5, 51, 128]]
+
+
 def test_a_mesh_is_dropped_on_the_chart_and_another_chosen_by_its_still(page, here, tmp_path):
     content = base64.b64encode(trimesh.creation.box((2, 1, 1)).export(file_type="glb")).decode()
     at = chart_pixel(page, (-3, 4))
@@ -248,9 +274,7 @@ def test_a_mesh_is_dropped_on_the_chart_and_another_chosen_by_its_still(page, he
     assert (here.station.sessions.folder / "meshes/crate.glb").is_file()
     still = ".editor-stills img[alt='{}']"
     page.wait_for_selector(still.format("crate.glb"))
-    when(
-        page, "[...document.querySelectorAll('.editor-stills img')].slice(0, 4).every((each) => each.naturalWidth > 0)"
-    )
+    when(page, "[...document.querySelectorAll('.editor-stills img')].slice(0, 4).every((each) => each.naturalWidth)")
     judge(page, "the list of meshes")
     page.click(still.format("bluerov2.glb"))
     when(page, SENT.format("mesh", "file === 'meshes/bluerov2.glb'"))
@@ -277,14 +301,6 @@ def test_a_loose_body_is_added_moved_and_named_as_an_obstacle_is(page):
     judge(page, "a loose body")
 
 
-def test_what_is_opened_again_in_the_frame_in_which_it_was_closed_can_be_edited(page):
-    page.evaluate("document.querySelector('#editor-dialog').close(), document.querySelector('button.edit').click()")
-    when(page, "document.querySelector('#editor-dialog').open")
-    page.get_by_label("Kind").select_option("sphere")
-    page.click(".editor-bar >> text=Add")
-    when(page, SENT.format("sphere", "position_m"))
-
-
 def test_with_nothing_chosen_the_chart_pans_and_marks_and_add_lands_where_one_looks(page):
     def added(kind: str) -> list[float]:
         page.get_by_label("Kind").select_option(kind)
@@ -292,11 +308,8 @@ def test_with_nothing_chosen_the_chart_pans_and_marks_and_add_lands_where_one_lo
         when(page, SENT.format(kind, "position_m"))
         return sent(page, kind, "position_m")[:2]
 
-    before, free = (
-        np.array(page.evaluate("station.editor.chart.frame.middle")),
-        chart_pixel(page, (-3, 3)),
-    )  # in the survey
-    dragged(page, free, (60, -30))
+    before = np.array(page.evaluate("station.editor.chart.frame.middle"))
+    dragged(page, start := chart_pixel(page, (-3, 3)), np.add(start, (60, -30)).tolist())  # in the survey
     middle = np.array(page.evaluate("station.editor.chart.frame.middle"))
     scale = page.evaluate("station.editor.chart.frame.scale")
     np.testing.assert_allclose(middle - before, [-60 / scale, -30 / scale], atol=0.01)
@@ -337,6 +350,22 @@ def test_with_nothing_chosen_the_chart_pans_and_marks_and_add_lands_where_one_lo
     seen = np.array(camera) + share * (np.array(target) - camera)
     assert np.hypot(*(seen - target)[:2]) > 1.0
     np.testing.assert_allclose(added("net"), seen[:2], atol=0.3)
+
+
+def test_a_new_field_of_a_model_is_in_the_form_without_a_line_of_the_page(page, monkeypatch):
+    class Gusty(Wind):
+        gust_m_s: Annotated[float, InRange(0, 50, "m/s")] = 2.0
+
+    monkeypatch.setitem(OTHER_SCHEMAS, "wind", Gusty)
+    forms.cache_clear()
+    page.reload()
+    page.wait_for_selector(".preview:not([hidden])")
+    page.click("text=Edit this scenario")
+    page.get_by_label("What to add").select_option("wind")
+    page.locator(".editor-canvas").press("a")
+    field = page.locator("[data-field=gust_m_s]")
+    assert "m/s" in field.inner_text() and field.locator("input").get_attribute("placeholder") == "2"
+    forms.cache_clear()
 
 
 def test_ctrl_z_undoes_a_field_that_was_sent_and_a_text_that_was_not(page):
@@ -417,10 +446,7 @@ def test_parts_of_the_vehicle_its_start_the_survey_and_currents_are_edited_by_ke
 
 
 def test_a_scenario_is_edited_by_mouse_and_by_keys_saved_and_started(here, page):
-    page.mouse.move(*chart_pixel(page, (3, 0)))
-    page.mouse.down()
-    page.mouse.move(*chart_pixel(page, (4, 2)), steps=3)
-    page.mouse.up()
+    dragged(page, chart_pixel(page, (3, 0)), chart_pixel(page, (4, 2)))
     when(page, SENT.format("box", "position_m[1] > 1.9"))
     np.testing.assert_allclose(sent(page, "box", "position_m"), [4, 2, -4.5], atol=0.1)
     page.mouse.wheel(0, -100)

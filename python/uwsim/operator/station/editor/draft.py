@@ -136,7 +136,13 @@ class Draft:
             named = {**first, "name": free_name(kind or str(values["model"]), taken), **named}
             values = values | {found.inner: named} if found.inner else named
         place = (*above, len(items))
-        self.take(files.with_value(place, values))
+        if is_free := section == "props" and "position_m" not in chosen:
+            values["position_m"] = [x, y, self.plan.bed_at_m(x, y, str(values["name"]))]
+        files = files.with_value(place, values)
+        if is_free:  # on a slope, its height follows from its solids
+            prop = files.read(self.folder)[0].placed_props[-1]
+            files = files.with_value((*place, "position_m"), [x, y, self.plan.stands_at_m(prop)])
+        self.take(files)
         return place
 
     def _add_to_exercise(self, section: str, above: Place, values: Values, own: Mapping[str, Any]) -> Place:

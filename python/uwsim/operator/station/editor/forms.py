@@ -66,8 +66,8 @@ OF_EXERCISE = {"goals": "kind", "limits": "kind", "events": "", "aids": "", "lay
 """Sections of the exercise, and the keys of their kinds."""
 SECTIONS = {
     "obstacles": Section("obstacle", ("obstacles",), "list"),
-    "objects": Section("loose_body", ("objects",), "list", without=("shape",), inner="shape"),
     "props": Section("placed_prop", ("props",), "list"),
+    "objects": Section("loose_body", ("objects",), "list", without=("shape",), inner="shape"),
     "currents": Section("current", ("water", "current"), "list"),
     "survey": Section("survey", ("survey",), "one"),
     "terrain": Section("terrain", ("terrain",), "one", key="source", without=("strokes",)),

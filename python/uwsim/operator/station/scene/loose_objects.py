@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from uwsim.channels.guest import GuestTopic, Node, Values
 from uwsim.channels.ros import build
 from uwsim.live import LiveSimulator
-from uwsim.operator.station.scene.scene import glb
+from uwsim.operator.station.scene.scene import glb, own_colours
 from uwsim.simulator.moving_shapes import moving_shapes, shape_poses
 from uwsim.simulator.simulator import Simulator
 
@@ -55,8 +55,8 @@ class LooseObjects:
         """Return a body as binary glTF, in its axes. Raises ValueError if there is none with this number."""
         if not 0 <= number < len(self._bodies):
             raise ValueError(f"object {number}: there are {len(self._bodies)}")
-        body = self._bodies[number]
-        return glb(body.mesh(), np.zeros(3), body.shape.texture())
+        body, mesh = self._bodies[number], self._bodies[number].mesh()
+        return glb(mesh, np.zeros(3), own_colours(body.shape.texture(), len(mesh[1])))
 
     def _read(self, sim: Simulator) -> tuple[int, Any]:
         transforms = [

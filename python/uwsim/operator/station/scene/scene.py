@@ -47,16 +47,15 @@ class Scene:
 
     def described(self) -> Values:
         """Return the content of `scene.json`. Positions are in odom, like everything else on the wire."""
-        grid = self.grid()
-        rows, columns = grid.heights_m.shape
-        west_m, south_m = (float(value) for value in grid.origin_m + self._origin_m[:2])
-        station = station_at_start(self._scenario)
+        grid, basin, station = self.grid(), self._basin(), station_at_start(self._scenario)
+        shift_m = self._origin_m[:2]
+        bed = described_grid(grid.heights_m, grid.origin_m + shift_m, grid.spacing_m)
         return {
-            "terrain": {
-                "url": "/scene/terrain.f32", "rows": rows, "columns": columns, "west_m": west_m, "south_m": south_m,
-                "spacing_m": [grid.spacing_m, grid.spacing_m],
+            "terrain": {"url": "/scene/terrain.f32", **bed},
+            "chart": None if basin is None else {
+                "url": "/scene/chart.f32", "meshes": list(basin.names),
+                **described_grid(basin.heights_m, basin.corner_m + shift_m, basin.spacing_m),
             },
-            "chart": self._chart(),
             "meshes": [
                 {
                     "name": name, "label": label, "url": f"/scene/mesh/{k}.glb",
@@ -73,19 +72,9 @@ class Scene:
             "surface_m": float(self._origin_m[2]),
         }  # fmt: skip
 
-    def _chart(self) -> Values | None:
-        """Return the grid that the chart shows in place of the terrain, and the meshes that are part of it, or None."""
-        basin = self._basin()
-        if basin is None:
-            return None
-        rows, columns = basin.heights_m.shape
-        west_m, south_m = (float(value) for value in basin.corner_m + self._origin_m[:2])
-        return {
-            "url": "/scene/chart.f32", "rows": rows, "columns": columns, "west_m": west_m, "south_m": south_m,
-            "spacing_m": [basin.spacing_m, basin.spacing_m], "meshes": list(basin.names),
-        }  # fmt: skip
-
     def _basin(self) -> Basin | None:
+        """Return the ground that the chart shows in place of the terrain, or None."""
+
         def meshes() -> dict[str, Mesh]:
             return {name: make() for name, kind, make in self._solids() if kind == "mesh"}
 
@@ -132,7 +121,12 @@ class Scene:
         if not 0 <= number < len(solids):
             raise ValueError(f"mesh {number}: there are {len(solids)}")
         name, _, make = solids[number]
-        return self._once(f"mesh {number}", lambda: glb(make(), self._origin_m, self._texture(name)))
+
+        def made() -> bytes:
+            mesh = make()
+            return glb(mesh, self._origin_m, own_colours(self._texture(name), len(mesh[1])))
+
+        return self._once(f"mesh {number}", made)
 
     def hull(self, name: str) -> bytes:
         """Return a vehicle's hull as GLB, in body axes. Raises ValueError for an unknown vehicle."""
@@ -186,6 +180,13 @@ def thinned(terrain: Terrain) -> Terrain:
     return Terrain(terrain.heights_m[::stride, ::stride], stride * terrain.spacing_m, terrain.origin_m)
 
 
+def described_grid(heights_m: NDArray[np.floating], corner_m: Any, spacing_m: float) -> Values:
+    """Return a grid of heights, (rows, columns) from its south-western corner (x, y), as the page needs it."""
+    (rows, columns), (west_m, south_m) = heights_m.shape, map(float, corner_m)
+    both_m = [spacing_m, spacing_m]
+    return {"rows": rows, "columns": columns, "west_m": west_m, "south_m": south_m, "spacing_m": both_m}
+
+
 def plan_outline(
     obstacle: ObstacleModel | None, vertices: Callable[[], Vertices], shift_m: NDArray[np.float64]
 ) -> list[list[float]]:
@@ -217,17 +218,21 @@ def rounded(corners_m: NDArray[np.float64]) -> list[list[float]]:
     return [[round(float(x), 3), round(float(y), 3)] for x, y in corners_m]
 
 
-def glb(mesh: Mesh, offset_m: NDArray[np.float64], texture: Texture | None = None) -> bytes:
+def own_colours(texture: Texture | None, count: int) -> NDArray[np.float64] | None:
+    """Return the albedo (count, 3) of each triangle of a mesh; None without a texture, or for that of others."""
+    return triangle_means(texture) if texture is not None and len(texture.corners) == count else None
+
+
+def glb(mesh: Mesh, offset_m: NDArray[np.float64], colours: NDArray[np.float64] | None = None) -> bytes:
     """Return a mesh as binary glTF without transforms. The z axis is up, as in the world, despite glTF's convention.
 
-    texture: of its triangles, which then have a colour each; ignored if it is that of other triangles.
+    colours: of its triangles, linear, (m, 3).
     """
     from uwsim.base.whole_trimesh import trimesh
 
     vertices, triangles = np.asarray(mesh[0]) + offset_m, np.asarray(mesh[1])
-    colours = None
-    if texture is not None and len(texture.corners) == len(triangles):
-        colours = np.repeat(np.rint(255.0 * triangle_means(texture)).astype(np.uint8), 3, axis=0)
+    if colours is not None:
+        colours = np.repeat(np.rint(255.0 * colours).astype(np.uint8), 3, axis=0)
         vertices, triangles = vertices[triangles].reshape(-1, 3), np.arange(triangles.size).reshape(-1, 3)
     solid = trimesh.Trimesh(vertices, triangles, vertex_colors=colours, process=False)
     return cast(bytes, solid.export(file_type="glb"))

@@ -70,8 +70,8 @@ class EditState(Message):
     """The editor's state; without a scenario, only is_open, false. by: the name of the client that edits.
 
     edition: changes with the text. files: the secret address FILES of what belongs to the scene. plan: changes with the
-    obstacles, whose solids are FILES/PLAN/NUMBER.glb. added: the place of what was added or moved, or empty. mistakes:
-    found by `check`.
+    obstacles and props, whose solids are FILES/PLAN/NUMBER.glb, in this order. added: the place of what was added or
+    moved, or empty. mistakes: found by `check`.
     meshes: the files of which solids can be made, with a still at FILES/mesh/FILE.png. mesh: the file of a finished
     upload, "" before; lost: what of it was not taken along.
     """

@@ -12,7 +12,7 @@ const CLICK_PX = 4;
 const NOTCH_DEG = 5; // a notch of the wheel; with shift, a degree
 const FAR_M = 3000; // of what can be pointed at
 const REVEAL_M = 25; // from the camera to a part that is shown
-const ABOARD_M = 4; // the same for a part aboard
+const NEAR_M = { props: 8, aboard: 4 }; // the same for a prop and a part aboard
 const BRIGHT = 2; // the bed, which lies behind a growing map in flight, is the ground here
 const VIEW = [-0.5, -0.8, 0.7]; // from where the whole bed is seen
 
@@ -82,7 +82,7 @@ export class EditorScene extends Stage {
     if (isOther) this.fit();
   }
 
-  // Show the solids of a state's obstacles.
+  // Show the solids of a state's obstacles and props.
   showSolids(state) {
     const loader = new GLTFLoader();
     this.#solids?.load(state, async (path) => {
@@ -112,7 +112,8 @@ export class EditorScene extends Stage {
     const part = list[selected];
     const place = part && this.#solids?.placeOf(selected);
     if (!place) return;
-    const reach = part.vehicle !== null && part.section !== 'starts' ? ABOARD_M : REVEAL_M;
+    const isAboard = part.vehicle !== null && part.section !== 'starts';
+    const reach = NEAR_M[isAboard ? 'aboard' : part.section] ?? REVEAL_M;
     const away = this.camera.position.clone().sub(this.controls.target);
     if (away.length() > reach) away.setLength(reach);
     this.aim(place.clone().add(away), place);

@@ -14,12 +14,15 @@ import { faceted } from '../map3d/terrain.js';
 import { STARTS, cornersOf, placeOf, yawOf } from './geometry.js';
 
 const [PLAIN, CHOSEN, VESSEL, LINE, MARK] = [0xb9c4cc, 0xff9d5c, 0xffd166, 0x8fd3ff, 0xffffff];
+const SOLID = new Set(['obstacles', 'props']); // sections that come first, of parts with a solid
 const ABOARD_M = 15; // from the camera, within which parts aboard are shown
 const MARK_PX = 9; // half the size of a mark
-const MARKED = new Set([...STARTS, 'objects', 'props', 'life', 'goals']); // sections of parts without a solid
+const MARKED = new Set([...STARTS, 'objects', 'life', 'goals']); // sections of parts without a solid
 const RAD = Math.PI / 180;
 
 const lambert = (color) => new MeshLambertMaterial({ color, emissive: color, emissiveIntensity: 0.15 });
+const painted = (emissive, emissiveIntensity) =>
+  new MeshLambertMaterial({ vertexColors: true, emissive, emissiveIntensity });
 const keyOf = ({ values }) => JSON.stringify(values);
 
 /** @typedef {{ key: string, node: any }} Solid */
@@ -30,7 +33,7 @@ export class PartSolids {
   #fieldsOf;
   #redraw;
   /** @type {(Solid | undefined)[]} */
-  #solids = []; // of the obstacles, which come first among the parts
+  #solids = []; // by the indices of their parts
   /** @type {any[]} */
   #marks = []; // scaled with the distance
   #drawn = new Group(); // all but the solids
@@ -39,6 +42,8 @@ export class PartSolids {
   #materials = {
     plain: lambert(PLAIN),
     chosen: lambert(CHOSEN),
+    own: painted(PLAIN, 0.05),
+    ownChosen: painted(CHOSEN, 0.3),
     vessel: lambert(VESSEL),
     line: new LineBasicMaterial({ color: LINE }),
     chosenLine: new LineBasicMaterial({ color: CHOSEN }),
@@ -73,14 +78,14 @@ export class PartSolids {
 
   // Load the solids that have changed. fetchSolid(path): returns one as a node.
   load({ files, plan, parts }, fetchSolid) {
-    const obstacles = parts.filter(({ section }) => section === 'obstacles');
+    const solids = parts.filter(({ section }) => SOLID.has(section));
     const known = new Map(this.#solids.flatMap((each) => (each ? [[each.key, each]] : [])));
     const old = this.#solids;
-    this.#solids = obstacles.map((part, k) => {
+    this.#solids = solids.map((part, k) => {
       const key = keyOf(part);
       if (known.has(key)) return known.get(key);
       this.#fetch(k, key, () => fetchSolid(`${files}/${plan}/${k}.glb`));
-      return old.length === obstacles.length ? old[k] : undefined; // until the new one has come
+      return old.length === solids.length ? old[k] : undefined; // until the new one has come
     });
     this.show();
   }
@@ -92,13 +97,12 @@ export class PartSolids {
     this.show();
   }
 
-  // True if each obstacle is shown as it is now, and can be pointed at.
+  // True if each solid is shown as it is now, and can be pointed at.
   get isWhole() {
-    const obstacles = this.#parts.list.filter(({ section }) => section === 'obstacles');
-    return obstacles.every((part, k) => this.#solids[k]?.key === keyOf(part));
+    return this.#parts.list.every((part, k) => !SOLID.has(part.section) || this.#solids[k]?.key === keyOf(part));
   }
 
-  // Nodes of the obstacles' solids, each with the index of its part.
+  // Nodes of the solids, each with the index of its part.
   *nodes() {
     for (const [k, solid] of this.#solids.entries()) if (solid) yield /** @type {[number, any]} */ ([k, solid.node]);
   }
@@ -148,7 +152,7 @@ export class PartSolids {
     this.#marks = [];
     this.group.add(this.#drawn);
     list.forEach((part, k) => {
-      const solid = part.section === 'obstacles' ? this.#solids[k] : undefined;
+      const solid = SOLID.has(part.section) ? this.#solids[k] : undefined;
       if (solid) this.#showSolid(solid.node, k, k === selected);
       this.#showLines(k, k === selected);
       if (part.vehicle !== null || MARKED.has(part.section)) this.#showMark(k, k === selected);
@@ -171,7 +175,7 @@ export class PartSolids {
       node.position.set(to[0] - c * from[0] + s * from[1], to[1] - s * from[0] - c * from[1], rise);
     }
     node.traverse((each) => {
-      if (each.isMesh) each.material = isChosen ? this.#materials.chosen : this.#materials.plain;
+      if (each.isMesh) each.material = isChosen ? this.#materials.ownChosen : this.#materials.own;
     });
     this.group.add(node);
   }
