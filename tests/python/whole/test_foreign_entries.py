@@ -16,13 +16,14 @@ OWN = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["entry-poi
 WAYS = {"gone": "no_such_module:f", "seven": "others_of_all:SEVEN", "raising": "others_of_all:raising"}
 """Entries by name: the module cannot be imported, the object is of the wrong type, and the module raises an error."""
 FOLDERS = ("flown", "compared")
-FLIGHT = "survey pool --time-limit 1 --report none --out flown --record flown.mcap --record-topic scan"
+FLIGHT = "survey cast.yaml --time-limit 1 --report none --out flown --record flown.mcap --record-topic scan"
 LISTING = {  # a command that goes over all entries of a group; the first one makes a map
-    **dict.fromkeys(("uwsim.attachments", "uwsim.channels"), FLIGHT),
+    **dict.fromkeys(("uwsim.attachments", "uwsim.channels", "uwsim.kinds.cast"), FLIGHT),
     "uwsim.assets": "scenario check unknown",
     "uwsim.cli": "--help",
-    **{f"uwsim.cli.{name}": f"{name} --help" for name in
-       ("map", "scenario", "recording")},
+    **{f"uwsim.cli.{name}": f"{name} --help" for name in ("map", "scenario", "recording")},
+    "uwsim.kinds.flight_log": "vehicle identify empty.txt --vehicle rov",
+    "uwsim.kinds.mission_file": "run empty.txt",
     "uwsim.scenario_sources": "scenario from empty.txt",
     "uwsim.schemas": "scenario schema exercise",
     "uwsim.bridges": "serve --help",
@@ -77,6 +78,10 @@ def results(tmp_path_factory: pytest.TempPathFactory) -> tuple[Results, Results]
     def run(commands: list[tuple[str, ...]], *folders: Path) -> Results:
         work = tmp_path_factory.mktemp("work")
         (work / "empty.txt").touch()
+        before, _, after = (ROOT / "assets/scenarios/pool.yaml").read_text().partition("  density_kg_m3")
+        cast = "  profile: {kind: table, file: cast.txt, temperature_deg_c: 15}\n" + after[after.index("terrain:") :]
+        (work / "cast.yaml").write_text(before + cast)
+        (work / "cast.txt").write_text("0 1480\n5 1481\n")
         for name in (*named("uwsim.kinds.map_file"), *named("uwsim.kinds.survey_file")):
             (work / f"empty.{name}").touch()
         placed = [
