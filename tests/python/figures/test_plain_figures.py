@@ -162,7 +162,7 @@ def test_every_figure_of_the_program_is_plain_or_saved_by_save_figure():
     makers = {}
     texts = {path: path.read_text() for path in PYTHON.rglob("*.py")}
     for path, text in texts.items():
-        if "Figure" not in text and "matplotlib.pyplot" not in text:
+        if "igure" not in text and "matplotlib.pyplot" not in text:
             continue
         calls = [node.func for node in ast.walk(ast.parse(text)) if isinstance(node, ast.Call)]
         names = {call.attr if isinstance(call, ast.Attribute) else getattr(call, "id", "") for call in calls}
@@ -171,7 +171,7 @@ def test_every_figure_of_the_program_is_plain_or_saved_by_save_figure():
             makers[path.name] = "pyplot"
         elif "from matplotlib.figure import Figure" in text and path.name != "plain_figure.py":
             assert "Figure" not in names, path
-        elif names & {"PlainFigure"}:
+        elif names & {"PlainFigure", "new_figure"}:
             makers[path.name] = "plain"
     assert len(makers) > 10
     assert isinstance(new_figure(1.0, 1.0), PlainFigure)

@@ -12,6 +12,7 @@ CLOCK = "clock"
 STEP_S = 0.005  # for simulators that do not report their step
 BEACON_S = 0.02  # between successive odometry messages
 PATIENCE_S = 20.0
+MOST_STEPS = 100  # of one call, which a slow machine answers in time, too
 
 
 class RemoteClock:
@@ -76,7 +77,8 @@ class LockstepClock:
         """Step the simulator for a duration, rounded to at least one whole step. Raises OSError."""
         self._asked_s += duration_s
         steps = max(1, round(self._asked_s / self._step_s) - self._steps)
-        self._connection.call("simulation/step", steps=steps)
+        for begun in range(0, steps, MOST_STEPS):
+            self._connection.call("simulation/step", steps=min(MOST_STEPS, steps - begun))
         self._steps += steps
         beacon_s = BEACON_S * math.floor(self.time_s / BEACON_S + 1e-6)
         self._connection.wait_for(
