@@ -90,6 +90,7 @@ FILES: dict[str, tuple[str, str | Callable[[Path], Any]]] = {
     "calibration": ("a.yaml", "scenario.read.calibration:calibrated_fields"),
     "mapping": ("map.yaml", "exchange.logs.motion_log:read_mapping"),
     "mission": ("mission", "missions.field:read_mission_file"),
+    "kmz": ("mission.kmz", "missions.field:read_mission_file"),
     "thruster_csv": ("sheet.csv", "scenario.read.spec_file:read_sheet_rows"),
     "unity": ("a.unity", _scene),
     "xacro": ("a.xacro", _xacro),

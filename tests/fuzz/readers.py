@@ -350,7 +350,7 @@ READERS = {
     "waypoints": Reader(others.file("mission"), has_end=_without_end),
     "geojson": Reader(others.file("mission"), ("json",), values=JSON),
     "kml": Reader(others.file("mission"), ("xml",)),
-    "kmz": Reader(others.file("mission"), ("xml", "zipfile")),
+    "kmz": Reader(others.file("kmz"), ("xml", "zipfile")),
     "moos": Reader(text_readers.moos, has_end=_without_end),
     "imc": Reader(text_readers.imc, has_end=_without_end),
     "thruster_csv": Reader(others.file("thruster_csv"), ("csv",), has_end=_without_end),

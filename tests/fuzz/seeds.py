@@ -278,9 +278,8 @@ def _motion_log() -> list[bytes]:
 
 
 def _glider() -> list[bytes]:
-    names = [
-        *(f"m_{each}" for each in ("roll", "pitch", "heading", "depth", "lat", "lon", "ballast_pumped", "battpos"))
-    ]
+    quantities = ("roll", "pitch", "heading", "depth", "lat", "lon", "ballast_pumped", "battpos")
+    names = [f"m_{each}" for each in quantities]
     times_s = [4.0 * k for k in range(12)]
     return [json.dumps({name: [times_s, [0.01 * k * j for j in range(12)]] for k, name in enumerate(names)}).encode()]
 
