@@ -12,6 +12,7 @@ from uwsim.exchange.robots.checkout import package_folder
 from uwsim.exchange.robots.robot import Found, Given
 from uwsim.exchange.robots.sdf import read_sdf
 from uwsim.exchange.robots.urdf import read_urdf
+from uwsim.exchange.xml_text import xml_root
 from uwsim.missions.lawn_mower_plan import ALTIMETER, SONAR, missing_for_lanes
 
 pytestmark = pytest.mark.usefixtures("panels_left_out")
@@ -199,3 +200,10 @@ def test_px4_s_classic_hull_and_motors(tmp_path: Path) -> None:
     assert robot.volume_m3 == pytest.approx(0.022) and robot.linear is not None
     np.testing.assert_array_equal(np.diagonal(robot.linear)[:3], [5.0, 17.0, 18.0])
     np.testing.assert_allclose(robot.centre_of_buoyancy_m, [0.0, 0.0, 0.01])
+
+
+@pytest.mark.parametrize("declared", ['[<!ATTLIST a b CDATA "long">]', '[<!ENTITY a "a">]', "", 'SYSTEM "/etc/passwd"'])
+def test_a_document_type_is_refused(declared: str) -> None:
+    """Defaults of attributes and entities expand without bound."""
+    with pytest.raises(ValueError, match="x: has a DOCTYPE: must have none"):
+        xml_root(f"<!DOCTYPE a {declared}><a/>".encode(), "x")

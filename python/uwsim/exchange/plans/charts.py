@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any
 from xml.etree.ElementTree import Element
 
-from uwsim.base.texts.xml_text import xml_root
+from uwsim.exchange.xml_text import xml_root
 from uwsim.missions.field.mission import (
     ITEMS_MAX,
     Area,

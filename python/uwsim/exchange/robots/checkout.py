@@ -9,7 +9,7 @@ from functools import lru_cache
 from pathlib import Path
 
 from uwsim.base.texts.text_file import read_limited
-from uwsim.base.texts.xml_text import xml_root
+from uwsim.exchange.xml_text import xml_root
 
 LAUNCHES = (".launch", ".launch.py", ".launch.xml", ".launch.yaml")
 DESCRIPTIONS = (".urdf", ".xacro", ".sdf", ".scn")

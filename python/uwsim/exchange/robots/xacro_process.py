@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.base.texts.text_file import decoded, read_limited
-from uwsim.base.texts.xml_text import xml_root
 from uwsim.exchange.robots.expressions import value_of
+from uwsim.exchange.xml_text import xml_root
 
 BYTES_MAX = 20_000_000
 UNKNOWN = "unknown-package://"

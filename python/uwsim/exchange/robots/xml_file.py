@@ -11,7 +11,7 @@ from xml.etree import ElementTree
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim.base.texts.xml_text import xml_root
+from uwsim.exchange.xml_text import xml_root
 
 Floats = NDArray[np.float64]
 BYTES_MAX = 20_000_000
