@@ -23,7 +23,7 @@ from uwsim.operator.cli.teleop import own_server
 from uwsim.operator.teleop.app import BLUR, KEY, Screen
 from uwsim.operator.teleop.connection import Connection
 from uwsim.operator.teleop.hands import DRIVING, FIRST_HOLD_S, REPEAT_HOLD_S, ZERO, Hands
-from uwsim.operator.teleop.readout import Readout, read_link, read_state_data
+from uwsim.operator.teleop.readout import Readout
 from uwsim.simulator.simulator import Simulator
 from waiting import until
 
@@ -44,14 +44,8 @@ def hands(watch):
     return Hands(lambda: watch.now_s)
 
 
-def test_the_driving_keys_are_the_published_nodes_and_add_up_until_the_opposite_key_where_the_pilot_chooses_so():
+def test_the_driving_keys_are_the_published_nodes():
     assert {key: "-" * (sign < 0) + axis for key, (axis, sign) in DRIVING.items()} == PUBLISHED
-    hands = Hands(adds_up=True)
-    for key, expected in (("w", 1), ("w", 1), ("s", 0), ("s", -1), ("s", -1), ("w", 0), ("w", 1)):
-        hands.press(key)
-        assert hands.efforts()["surge"] == expected * hands.share
-    hands.press("c")
-    assert hands.efforts() == ZERO
 
 
 def test_an_effort_ends_by_itself_unless_its_key_repeats(hands, watch):
@@ -112,12 +106,17 @@ def test_no_escape_sequence_is_taken_for_a_key_nor_swallows_one():
     assert KEY.findall(BLUR) == [BLUR] and KEY.findall("\x1bx") == ["x"]
 
 
-def test_the_published_panel_and_the_link_are_read():
+def test_the_numbers_and_the_link_are_read():
     readout = Readout()
-    read_state_data(readout, SimpleNamespace(data="0.5a0.1a18a150.3a5a12.5aInfinitya60a99.5a"))
-    assert (readout.depth_m, readout.battery_percent, readout.altitude_m) == (5.0, 99.5, math.inf)
-    with pytest.raises(ValueError, match="stateData: 2 values: must be 9"):
-        read_state_data(readout, SimpleNamespace(data="1a2a"))
+    message = default_message("uwsim_msgs/msg/Telemetry")
+    for orientation, expected in (
+        ((0.0, 0.0, 0.0, 1.0), "hdg  90°  depth  5.0 m  alt beyond m  bat 100%"),
+        ((math.nan,) * 4, "hdg ---°  depth  5.0 m  alt beyond m  bat 100%"),
+    ):
+        message.orientation, message.depth = orientation, 5.0
+        message.distance_to_seabed, message.battery = math.inf, 99.5
+        readout.read_telemetry(message)
+        assert readout.numbers == expected
     message = default_message("uwsim_msgs/msg/Link")
     for modem, loss, delay_s, expected in (
         ("none", 1.0, 0.0, ("", "LINK DOWN")),
@@ -126,7 +125,7 @@ def test_the_published_panel_and_the_link_are_read():
     ):
         message.modem, message.fault_loss, message.delay = modem, loss, delay_s
         message.quality, message.silence_at_station = 0.83, 12.4
-        read_link(readout, message)
+        readout.read_link(message)
         assert (readout.link, readout.link_fault) == expected
 
 
@@ -277,7 +276,7 @@ def test_its_own_simulator_is_flown_over_a_link():
     simulator.rov.undock()
     with own_server(simulator) as server:
         with connected(server) as connection:
-            until(lambda: connection.readout.depth_m > 0.0)
+            until(lambda: "depth" in connection.readout.numbers)
             until(lambda: connection.hands.press("w") or simulator.rov.effort[0] > 0.0)
             carried = {(counts.topic, counts.sender) for counts in simulator.link.counts() if counts.delivered}
             assert {("key", "station"), ("telemetry", "rov")} <= carried

@@ -12,7 +12,7 @@ from uwsim.base.options import flag_name
 from uwsim.bridges.doors.endpoint import ROSBRIDGE_PORT
 from uwsim.cli.groups import under
 from uwsim.cli.options import SimulatorOptions
-from uwsim.cli.values import one_of, scenarios
+from uwsim.cli.values import scenarios
 
 if TYPE_CHECKING:
     from uwsim.bridges import RosbridgeServer
@@ -35,13 +35,6 @@ def teleop(
         None
     ),
     simulator: SimulatorOptions,
-    keys: Annotated[
-        str,
-        typer.Option(
-            help="standard: a driving key acts while it is held. published: presses add up, as in the paper's node.",
-            **one_of("standard", "published"),
-        ),
-    ] = "standard",
 ) -> None:
     """Fly a vehicle from the terminal with keys.
 
@@ -54,13 +47,11 @@ def teleop(
     from uwsim.operator.teleop.connection import Connection
     from uwsim.operator.teleop.hands import Hands
 
-    hands = Hands(adds_up=keys == "published")
-
     if url is not None:
         given = [name for name, is_given in {"scenario": scenario is not None, **simulator.given()}.items() if is_given]
         if given:
             raise ValueError(f"{flag_name(given[0])}: is for its own simulator, not for a URL")
-        code = Screen(Connection(url, hands, vehicle)).run()
+        code = Screen(Connection(url, Hands(), vehicle)).run()
     else:
         from uwsim.simulator.simulator import Simulator
 
@@ -68,7 +59,7 @@ def teleop(
         if vehicle is not None and vehicle not in own.vehicles:
             raise ValueError(f"--vehicle = {vehicle!r}: must be one of {', '.join(own.vehicles)}")
         with own_server(own) as server:
-            code = Screen(Connection(server.url, hands, vehicle if len(own.vehicles) > 1 else None)).run()
+            code = Screen(Connection(server.url, Hands(), vehicle if len(own.vehicles) > 1 else None)).run()
     raise typer.Exit(code)
 
 

@@ -152,7 +152,7 @@ class Screen(logging.Handler):
         stop, colour = self.stop(RED if warnings else "")
         lag = f"{min(connection.silence_s, 999.0):.1f} s"
         helm = f"{'helm' if self.hands.has_helm else 'free'} {self.hands.share:.0%}"
-        line = f"{stop}  {connection.readout.numbers()}  lag {lag}  {helm}  {connection.state}"
+        line = f"{stop}  {connection.readout.numbers}  lag {lag}  {helm}  {connection.state}"
         rest = f"  {connection.readout.link}  {warnings}"
         said = "".join(f"{_plain(self.said.popleft())}\r\n" for _ in range(len(self.said)))
         return f"\r\x1b[K{said}{colour}{_plain(line + rest)[: max(columns - 1, 0)].rstrip()}{RESET}"

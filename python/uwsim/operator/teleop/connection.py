@@ -16,7 +16,7 @@ from typing import Any
 from uwsim.bridges.rosbridge.client import Client
 from uwsim.channels.families.key import POSE, Function, key_message
 from uwsim.operator.teleop.hands import ZERO, Hands
-from uwsim.operator.teleop.readout import PANELS, Reader, Readout, topics_to_read
+from uwsim.operator.teleop.readout import Readout
 
 PERIOD_S = 0.05  # interval at which the hands are polled
 STOP_AGAIN_S = 1.0  # interval at which an unanswered all stop is requested again
@@ -43,6 +43,10 @@ class Connection:
             failed=lambda why, wait_s: self.report(f"{url}: {why}"),
         )  # fmt: skip
         self.readout = Readout()
+        self._topics = {
+            "telemetry": ("uwsim_msgs/msg/Telemetry", self._take_telemetry),
+            "link": ("uwsim_msgs/msg/Link", self.readout.read_link),
+        }
         self.state = "connecting"
         self.received_s, self.interval_s = -math.inf, 0.0
         self.stop_is_wanted = False
@@ -135,8 +139,9 @@ class Connection:
         key = f"{self._prefix}key"
         if offered and key not in offered:
             raise ValueError("the server has no topic 'key': start it with --wire both or published")
-        for name, (kind, read) in topics_to_read(offered, self._prefix).items():
-            self.client.subscribe(name, kind, partial(self._receive, read))
+        for topic, (kind, read) in self._topics.items():
+            if not offered or f"{self._prefix}{topic}" in offered:
+                self.client.subscribe(f"{self._prefix}{topic}", kind, read)
         self.client.advertise(key, POSE)
         with self._sending:
             self._is_flying = not self._stopping.is_set()
@@ -152,12 +157,11 @@ class Connection:
             raise ValueError(f"--vehicle = {self._vehicle!r}: the server has {', '.join(vehicles) or 'no vehicle'}")
         return f"{self._vehicle}/"
 
-    def _receive(self, read: Reader, message: Any) -> None:
-        read(self.readout, message)
-        if read in PANELS:
-            now_s = time.monotonic()
-            self.interval_s = now_s - self.received_s if math.isfinite(self.received_s) else 0.0
-            self.received_s = now_s
+    def _take_telemetry(self, message: Any) -> None:
+        self.readout.read_telemetry(message)
+        now_s = time.monotonic()
+        self.interval_s = now_s - self.received_s if math.isfinite(self.received_s) else 0.0
+        self.received_s = now_s
 
     def _leave(self) -> None:
         self.hands.drop()

@@ -47,22 +47,15 @@ Ctrl-Q quit"""
 class Hands:
     """The pilot's current commands. May be read on any thread.
 
-    adds_up: whether each press of a driving key adds to its axis or subtracts, and the sum lasts, as in the published
-    keyboard node. has_helm: whether the pilot is steering, which begins with the first driving key.
+    share: the effort of a key as a fraction of full effort. has_helm: whether the pilot is steering, which begins with
+    the first driving key.
     """
 
-    def __init__(self, clock: Callable[[], float] = time.monotonic, *, adds_up: bool = False) -> None:
-        self._adds_up, self._clock, self._lock = adds_up, clock, threading.Lock()
-        self._sums = dict(ZERO)
+    def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
+        self._clock, self._lock = clock, threading.Lock()
         self._held: dict[str, float] = {}  # clock time until which each key holds
-        self._share = SHARES.index(0.5)
         self._beaten_s = math.inf
-        self.has_helm = False
-
-    @property
-    def share(self) -> float:
-        """The effort of a key as a fraction of full effort."""
-        return SHARES[self._share]
+        self.share, self.has_helm = 0.5, False
 
     def beat(self) -> None:
         """Signal that the screen is alive. After the first call, this must be called several times per second."""
@@ -72,14 +65,10 @@ class Hands:
         """Record that a key was typed or has repeated."""
         with self._lock:
             if key in STEPS:
-                self._share = min(max(self._share + STEPS[key], 0), len(SHARES) - 1)
+                self.share = SHARES[min(max(SHARES.index(self.share) + STEPS[key], 0), len(SHARES) - 1)]
             elif key in (ALL_STOP, LET_GO):
-                self._drop()
+                self._held.clear()
                 self.has_helm = key == ALL_STOP
-            elif self._adds_up and key in DRIVING:
-                self.has_helm = True
-                axis, direction = DRIVING[key]
-                self._sums[axis] = min(max(self._sums[axis] + direction, -1.0), 1.0)
             elif key in DRIVING or key in TILTING:
                 self._hold(key)
 
@@ -95,20 +84,14 @@ class Hands:
     def drop(self) -> None:
         """Release all keys; each must be pressed again."""
         with self._lock:
-            self._drop()
-
-    def _drop(self) -> None:
-        self._held.clear()
-        self._sums = dict(ZERO)
+            self._held.clear()
 
     def efforts(self) -> dict[str, float]:
         """Return the current efforts, in [-1, 1] by axis."""
         with self._lock:
             self._forget(self._clock())
-            efforts = dict(self._sums)
-            for axis, direction in (DRIVING[key] for key in self._held if key in DRIVING):
-                efforts[axis] += direction
-            return {axis: self.share * min(max(effort, -1.0), 1.0) for axis, effort in efforts.items()}
+            held = dict(DRIVING[key] for key in self._held if key in DRIVING)  # one key an axis: see _hold
+            return ZERO | {axis: self.share * direction for axis, direction in held.items()}
 
     def tilt(self) -> Function:
         """Return the command for the sonar head: tilt while a tilt key is held down, otherwise hold."""
@@ -118,6 +101,5 @@ class Hands:
 
     def _forget(self, now_s: float) -> None:
         """Remove keys whose hold time has expired."""
-        if now_s - self._beaten_s > STALL_S:
-            self._drop()
-        self._held = {key: until_s for key, until_s in self._held.items() if until_s > now_s}
+        is_alive = now_s - self._beaten_s <= STALL_S
+        self._held = {key: until_s for key, until_s in self._held.items() if is_alive and until_s > now_s}
