@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import Annotated, Any
 
 import numpy as np
-from pydantic import model_validator
+from pydantic import Field, model_validator
 
 from uwsim.base.quaternions import within_half_turn_deg
 from uwsim.scenario import Scenario
@@ -27,8 +27,8 @@ class PropShift(Model):
     """
 
     prop: Name
-    x_m: tuple[Shift, Shift] = (0.0, 0.0)
-    y_m: tuple[Shift, Shift] = (0.0, 0.0)
+    x_m: tuple[Shift, Shift] = Field((0.0, 0.0), examples=[[-0.5, 0.5]])
+    y_m: tuple[Shift, Shift] = Field((0.0, 0.0), examples=[[-0.5, 0.5]])
     z_m: tuple[Shift, Shift] = (0.0, 0.0)
     yaw_deg: tuple[Turn, Turn] = (0.0, 0.0)
     pitch_deg: tuple[Turn, Turn] = (0.0, 0.0)

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import Field, PrivateAttr, ValidationInfo, model_validator
+from pydantic import Field, PrivateAttr, ValidationInfo, WithJsonSchema, model_validator
 
 from uwsim.base.commands import COMMANDS
 from uwsim.base.named import did_you_mean
@@ -25,6 +25,7 @@ from uwsim.scenario.spec.obstacle import ObstacleSpec
 from uwsim.scenario.spec.prop import PropEntry
 from uwsim.scenario.spec.scenario import Scenario
 from uwsim.scenario.spec.tether import Tether
+from uwsim.scenario.spec.vehicle import VehicleName
 from uwsim.scenario.spec.vehicle_entry import StartPose
 
 FOLDER = "exercises"
@@ -57,11 +58,15 @@ class Event(Model):
     sheet.
     """
 
-    at_s: Annotated[float, InRange(0, 1e5, "s")] | None = None
+    one_of = ("at_s", "near", "after")
+
+    at_s: Annotated[float, InRange(0, 1e5, "s")] | None = Field(None, examples=[30])
     near: Near | None = None
     after: Name | None = None
-    command: str
-    arguments: dict[str, Any] = Field(default_factory=dict)
+    command: Annotated[str, WithJsonSchema({"enum": list(EVENT_COMMANDS)})]
+    arguments: dict[str, Any] = Field(
+        default_factory=dict, examples=[{"kind": "current", "velocity_world_m_s": [0.2, 0, 0]}]
+    )
     note: str = ""
 
     @model_validator(mode="after")
@@ -101,10 +106,10 @@ class Exercise(Model):
     from the pilot to the vehicle, and as long back, by which commands and sight are late; 0: none, nor a link.
     """
 
-    title: str = Field(min_length=1, max_length=120)
-    brief: str = Field(min_length=1, max_length=2000)
+    title: str = Field(min_length=1, max_length=120, examples=["New exercise"])
+    brief: str = Field(min_length=1, max_length=2000, examples=["Meet the goals in their order."])
     scenario: str
-    vehicle: str | None = None
+    vehicle: VehicleName | None = None
     obstacles: list[ObstacleSpec] = Field(default_factory=list)
     props: Annotated[list[PropEntry], Field(max_length=200)] = Field(default_factory=list)
     exchanged: Annotated[list[list[Name]], Field(max_length=20)] = Field(default_factory=list)
@@ -119,7 +124,7 @@ class Exercise(Model):
     limits: list[Limit] = Field(default_factory=list)
     events: list[Event] = Field(default_factory=list)
     aids: list[Aid] = Field(default_factory=list)
-    pass_points: Points
+    pass_points: Points = Field(examples=[10])
     lag_s: Annotated[float, InRange(0, LAG_MAX_S, "s")] = 0.0
     _folder: Path = PrivateAttr(Path())
 

@@ -86,7 +86,7 @@ class Deepest(LimitModel):
     text = "Not deeper than {most_m:g} m"
 
     kind: Literal["depth"]
-    most_m: Annotated[float, InRange(0, 11000, "m")]
+    most_m: Annotated[float, InRange(0, 11000, "m")] = Field(examples=[10])
 
     def is_broken(self, moment: Moment, collisions_before: int) -> bool:
         """See LimitModel."""
@@ -102,7 +102,7 @@ class Lowest(LimitModel):
     text = "At least {least_m:g} m above the bed"
 
     kind: Literal["altitude"]
-    least_m: Annotated[float, InRange(0, 1000, "m")]
+    least_m: Annotated[float, InRange(0, 1000, "m")] = Field(examples=[0.5])
 
     def is_broken(self, moment: Moment, collisions_before: int) -> bool:
         """See LimitModel."""
@@ -118,7 +118,7 @@ class Fastest(LimitModel):
     text = "Not faster than {most_m_s:g} m/s"
 
     kind: Literal["speed"]
-    most_m_s: Annotated[float, InRange(0.01, 100, "m/s")]
+    most_m_s: Annotated[float, InRange(0.01, 100, "m/s")] = Field(examples=[1])
 
     def is_broken(self, moment: Moment, collisions_before: int) -> bool:
         """See LimitModel."""

@@ -39,8 +39,8 @@ from uwsim.simulator.simulator import Simulator
 
 ROV = ("vehicles", 0, "model")
 NOT_REMOVED = ("terrain", "survey", "water", "optics", "starts", *OF_EXERCISE, "exercise", "exercise_start")
-OF_FILES = {("currents", "grid"), ("cover", "mesh")}
-EACH = sorted({(name, kind) for name in forms() if name not in NOT_REMOVED for kind in forms()[name]} - OF_FILES)
+OF_A_FILE = ("currents", "grid")  # of which none is packaged
+EACH = sorted({(name, kind) for name in forms() if name not in NOT_REMOVED for kind in forms()[name]} - {OF_A_FILE})
 BOX, DVL, LAMP = ("obstacles", 0), (*ROV, "sensors", "dvl"), (*ROV, "lamps", "front")
 
 
@@ -79,6 +79,20 @@ def test_each_kind_is_added_read_again_and_removed_without_a_trace(
     assert found.files.scenario == pool.files.scenario
     found.undo(-2)
     assert found.scenario == pool.scenario
+
+
+def test_a_part_of_a_file_is_added_once_the_file_is_named(tmp_path: Path) -> None:
+    found = Draft(draft().files, tmp_path)
+    for values, message in (
+        ({}, "file: must be named first: a packaged file, or one"),
+        ({"file": "tide.csv"}, "no such file"),
+    ):
+        with pytest.raises(ValueError, match=message):
+            found.add(*OF_A_FILE, 0, [0, 0], values)
+    cells = [f"{x},{y},{z},0.1,0,0" for x in (-9, 9) for y in (-9, 9) for z in (-5, 0)]
+    (tmp_path / "tide.csv").write_text("\n".join(["x_m,y_m,z_m,u_m_s,v_m_s,w_m_s", *cells]))
+    place = found.add(*OF_A_FILE, 0, [0, 0], values)
+    assert found.part("currents", place) == {"kind": "grid", "file": "tide.csv"}
 
 
 def test_a_solid_of_an_older_edition_is_empty_and_one_that_never_was_is_refused() -> None:

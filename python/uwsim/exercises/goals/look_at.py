@@ -59,6 +59,8 @@ class LookAt(Sight):
     looked at. See Sight.
     """
 
+    one_of = ("position_m", "object")
+
     kind: Literal["look_at"]
     position_m: Point3 | None = None
     object: Name | None = None

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Annotated, Literal
 
-from pydantic import model_validator
+from pydantic import Field, model_validator
 
 from uwsim.base.named import did_you_mean
 from uwsim.exercises.goal import GoalModel, Progress
@@ -37,11 +37,12 @@ class MoveJoint(GoalModel):
     """
 
     progress = _Moving
+    one_of = ("to_deg", "to_m")
 
     kind: Literal["move_joint"]
     object: Name
     joint: Name
-    to_deg: Annotated[float, InRange(-36_000, 36_000, "deg")] | None = None
+    to_deg: Annotated[float, InRange(-36_000, 36_000, "deg")] | None = Field(None, examples=[90])
     to_m: Annotated[float, InRange(-100, 100, "m")] | None = None
 
     @model_validator(mode="after")

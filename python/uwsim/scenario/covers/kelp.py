@@ -5,10 +5,11 @@ from __future__ import annotations
 from typing import ClassVar, Literal
 
 import numpy as np
+from pydantic import Field
 
 from uwsim.base.arrays import Floats
 from uwsim.scenario.build.cover_meshes import merged, ribbon, tube, unit
-from uwsim.scenario.spec.cover import CoverModel, LeansAt, Mesh
+from uwsim.scenario.spec.cover import CoverModel, LeansAt, Mesh, PieceSize
 from uwsim.scenario.spec.fields import Name
 from uwsim.scenario.spec.material import Material, MaterialSpec
 
@@ -25,6 +26,7 @@ class Kelp(CoverModel):
     kind: Literal["kelp"]
     name: Name
     material: MaterialSpec = Material.model_construct(kind="leaf", colour=(0.23, 0.17, 0.05))
+    size_m: tuple[PieceSize, PieceSize] = Field(examples=[[2, 4]])
     leans_at_m_s: LeansAt = 0.4  # assumed
 
     def meshes(self, random: np.random.Generator) -> list[Mesh]:

@@ -5,12 +5,13 @@ from __future__ import annotations
 from typing import Literal
 
 import numpy as np
+from pydantic import Field
 
 from uwsim.scenario.build.cover_meshes import unit
 from uwsim.scenario.read.mesh_file import load_mesh
 from uwsim.scenario.read.textures import Texture, load_texture
 from uwsim.scenario.spec.cover import CoverModel, Mesh
-from uwsim.scenario.spec.fields import AssetFile, Name
+from uwsim.scenario.spec.fields import MeshFile, Name
 from uwsim.scenario.spec.material import Material, MaterialSpec
 
 
@@ -25,7 +26,7 @@ class MeshCover(CoverModel):
     kind: Literal["mesh"]
     name: Name
     material: MaterialSpec = Material.model_construct(kind="rock")
-    file: AssetFile
+    file: MeshFile = Field(examples=["meshes/rocks.obj"])
     up: Literal["y", "z"] | None = None
     solid: bool = True
 

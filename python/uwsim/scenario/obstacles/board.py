@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Annotated, Any, ClassVar, Literal, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -143,13 +143,11 @@ class Board(Placed):
     openings: round holes; a square that is a fifth wider than each is to lie on the board, apart from those of others.
     """
 
-    example: ClassVar = {"on_bed": True, "size_m": [0.6, 0.6]}
-
     kind: Literal["board"]
     name: Name
     material: MaterialSpec = Material.model_construct(kind="paint", colour=WHITE)
     yaw_pitch_roll_deg: YawPitchRoll = LEVEL
-    size_m: tuple[Size, Size]
+    size_m: tuple[Size, Size] = Field(examples=[[0.6, 0.6]])
     thickness_m: Annotated[float, InRange(0.001, 5, "m")] = 0.02
     marks: Annotated[tuple[Mark, ...], Field(max_length=100)] = ()
     both_sides: StrictBool = True

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import ClassVar, Literal
+from typing import Literal
+
+from pydantic import Field
 
 from uwsim.scenario.build.solids import created, posed
 from uwsim.scenario.spec.fields import Name, Size, YawPitchRoll
@@ -16,13 +18,11 @@ class Box(Placed):
     position_m: its centre (world), unless it is on_bed. size_m: edge lengths along its own x, y and z.
     """
 
-    example: ClassVar = {"on_bed": True, "size_m": [2.0, 2.0, 2.0]}
-
     kind: Literal["box"]
     name: Name
     material: MaterialSpec = Material.model_construct(kind="concrete")
     yaw_pitch_roll_deg: YawPitchRoll = LEVEL
-    size_m: tuple[Size, Size, Size]
+    size_m: tuple[Size, Size, Size] = Field(examples=[[2, 2, 2]])
 
     def solid(self, terrain: Bed) -> Solid:
         """See ObstacleModel."""

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, Literal
 
 import numpy as np
+from pydantic import Field
 
 from uwsim.scenario.build.solids import bars, posed
 from uwsim.scenario.spec.fields import InRange, Name, Size, YawPitchRoll
@@ -18,14 +19,12 @@ class Cylinder(Placed):
     position_m: its centre (world), unless it is on_bed. radius_m, length_m: its dimensions.
     """
 
-    example: ClassVar = {"on_bed": True, "radius_m": 0.5, "length_m": 2.0}
-
     kind: Literal["cylinder"]
     name: Name
     material: MaterialSpec = Material.model_construct(kind="steel")
     yaw_pitch_roll_deg: YawPitchRoll = LEVEL
-    radius_m: Annotated[float, InRange(0.002, 10_000, "m")]
-    length_m: Size
+    radius_m: Annotated[float, InRange(0.002, 10_000, "m")] = Field(examples=[0.5])
+    length_m: Size = Field(examples=[2])
 
     def solid(self, terrain: Bed) -> Solid:
         """See ObstacleModel."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Annotated, ClassVar, Literal
 
 import numpy as np
-from pydantic import model_validator
+from pydantic import Field, model_validator
 
 from uwsim.scenario.build.solids import bars, bed_below
 from uwsim.scenario.read.errors import ScenarioError
@@ -27,15 +27,13 @@ class Gate(OnBed):
 
     surface_class: ClassVar = "gate"
 
-    example: ClassVar = {"width_m": 4.0, "height_m": 3.0}
-
     kind: Literal["gate"]
     name: Name
     material: MaterialSpec = Material.model_construct(kind="paint")
     position_m: Point2
     yaw_deg: Degrees = 0.0
-    width_m: Annotated[float, InRange(0.2, 200, "m")]
-    height_m: Annotated[float, InRange(0.2, 200, "m")]
+    width_m: Annotated[float, InRange(0.2, 200, "m")] = Field(examples=[4])
+    height_m: Annotated[float, InRange(0.2, 200, "m")] = Field(examples=[3])
     bar_radius_m: Annotated[float, InRange(0.01, 5, "m")] = 0.1
     lower_bar_m: Annotated[float, InRange(0, 200, "m")] | None = None
 

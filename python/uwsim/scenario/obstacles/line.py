@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from itertools import pairwise
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,14 +32,12 @@ class Line(Placed):
     each piece hangs below its chord, as a parabola. links: whether it is a chain.
     """
 
-    example: ClassVar = {"on_bed": True, "lines_m": [[[0.0, 0.0, 0.0], [0.0, 0.0, 2.0]]], "radius_m": 0.05}
-
     kind: Literal["line"]
     name: Name
     material: MaterialSpec = Material.model_construct(kind="steel")
     yaw_pitch_roll_deg: YawPitchRoll = LEVEL
-    lines_m: Annotated[tuple[Polyline, ...], Field(min_length=1, max_length=500)]
-    radius_m: Annotated[float, InRange(0.002, 10, "m")]
+    lines_m: tuple[Polyline, ...] = Field(min_length=1, max_length=500, examples=[[[[0, 0, 0], [0, 0, 2]]]])
+    radius_m: Annotated[float, InRange(0.002, 10, "m")] = Field(examples=[0.05])
     sag_m: Annotated[float, InRange(0, 1000, "m")] = 0.0
     links: StrictBool = False
 

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from typing import ClassVar, Literal
 
+from pydantic import Field
+
 from uwsim.scenario.build.solids import posed
 from uwsim.scenario.read.mesh_file import load_mesh
 from uwsim.scenario.read.textures import Texture, load_texture
-from uwsim.scenario.spec.fields import AssetFile, Factor, Name, YawPitchRoll
+from uwsim.scenario.spec.fields import Factor, MeshFile, Name, YawPitchRoll
 from uwsim.scenario.spec.material import Material, MaterialSpec
 from uwsim.scenario.spec.obstacle import LEVEL, Bed, Placed, Solid
 
@@ -22,14 +24,12 @@ class MeshObstacle(Placed):
 
     has_own_unit: ClassVar = True
 
-    example: ClassVar = {"on_bed": True, "file": "meshes/rocks.obj", "scale": 0.2}
-
     kind: Literal["mesh"]
     name: Name
     material: MaterialSpec = Material.model_construct(kind="steel")
-    file: AssetFile
+    file: MeshFile = Field(examples=["meshes/rocks.obj"])
     yaw_pitch_roll_deg: YawPitchRoll = LEVEL
-    scale: Factor = 1.0
+    scale: Factor = Field(1.0, examples=[0.2])
     up: Literal["y", "z"] | None = None
 
     def solid(self, terrain: Bed) -> Solid:

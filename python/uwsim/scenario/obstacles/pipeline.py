@@ -41,13 +41,11 @@ class Pipeline(OnBed):
 
     surface_class: ClassVar = "pipeline"
 
-    example: ClassVar = {"radius_m": 0.3}
-
     kind: Literal["pipeline"]
     name: Name
     material: MaterialSpec = Material.model_construct(kind="concrete")
     points_m: Annotated[tuple[Point2, ...], Field(min_length=2, max_length=1000)]
-    radius_m: Annotated[float, InRange(0.02, 10, "m")]
+    radius_m: Annotated[float, InRange(0.02, 10, "m")] = Field(examples=[0.3])
     buried_fraction: Annotated[float, InRange(0, 0.95)] = 0.2
     condition: PipeCondition | None = None
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import ClassVar, Literal
 
 import numpy as np
-from pydantic import model_validator
+from pydantic import Field, model_validator
 
 from uwsim.scenario.build.solids import SIDES, Mesh, posed
 from uwsim.scenario.read.textures import Texture, palette_texture
@@ -31,19 +31,12 @@ class Ring(Placed):
 
     surface_class: ClassVar = "gate"
 
-    example: ClassVar = {
-        "on_bed": True,
-        "yaw_pitch_roll_deg": [0.0, 0.0, 0.0],
-        "major_radius_m": 1.5,
-        "minor_radius_m": 0.1,
-    }
-
     kind: Literal["ring"]
     name: Name
     material: MaterialSpec = Material.model_construct(kind="paint")
     yaw_pitch_roll_deg: YawPitchRoll = LEVEL
-    major_radius_m: Size
-    minor_radius_m: Size
+    major_radius_m: Size = Field(examples=[1.5])
+    minor_radius_m: Size = Field(examples=[0.1])
     stripes: tuple[Colour, Colour] | None = None
 
     @model_validator(mode="after")

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from typing import ClassVar, Literal
+from typing import Literal
 
 import numpy as np
+from pydantic import Field
 
 from uwsim import _core
 from uwsim.scenario.build.solids import created
@@ -22,12 +23,10 @@ class Sphere(Placed):
     position_m: its centre (world), unless it is on_bed. radius_m: its radius.
     """
 
-    example: ClassVar = {"on_bed": True, "radius_m": 1.0}
-
     kind: Literal["sphere"]
     name: Name
     material: MaterialSpec = Material.model_construct(kind="steel")
-    radius_m: Size
+    radius_m: Size = Field(examples=[1])
 
     def solid(self, terrain: Bed) -> Solid:
         """See ObstacleModel."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import Field, StrictBool, model_validator
@@ -196,12 +196,9 @@ class Lamps(Model):
     colour: red, green, blue relative to daylight white.
     """
 
-    example: ClassVar[Mapping[str, Any]] = {"flux_lm": 3000.0}
-    """Values with which a form begins, such as the scene editor's."""
-
     spots: Annotated[tuple[LampSpot, ...], Field(min_length=1, max_length=16)]
     on: StrictBool = False
-    flux_lm: Annotated[float, InRange(0, 1e6, "lm")]
+    flux_lm: Annotated[float, InRange(0, 1e6, "lm")] = Field(examples=[3000])
     half_angle_deg: Annotated[float, InRange(1, 85, "deg")] = 35.0
     soft_share: Annotated[float, InRange(0.01, 1)] = 0.5
     colour: Colour = (1.0, 0.96, 0.9)

@@ -60,8 +60,8 @@ class CoverModel(Model):
     relative to the water and a [1/m] the frontal area per volume, that of the meshes seen from the side.
     """
 
-    density_per_m2: Annotated[float, InRange(0, 1000, "1/m2")]
-    size_m: tuple[PieceSize, PieceSize]
+    density_per_m2: Annotated[float, InRange(0, 1000, "1/m2")] = Field(examples=[0.3])
+    size_m: tuple[PieceSize, PieceSize] = Field(examples=[[0.2, 0.5]])
     size_exponent: Annotated[float, InRange(-10, 10)] = 0.0
     depth_m: tuple[Depth, Depth] = (0.0, 12_000.0)
     slope_deg: tuple[Slope, Slope] = (0.0, 90.0)
@@ -123,8 +123,8 @@ class LifeModel(Model):
     surface_class: ClassVar[str] = "fish"
     """Its class in labelled frames."""
 
-    count: Annotated[int, InRange(1, 2000)]
-    size_m: tuple[BodyLength, BodyLength]
+    count: Annotated[int, InRange(1, 2000)] = Field(examples=[20])
+    size_m: tuple[BodyLength, BodyLength] = Field(examples=[[0.2, 0.3]])
     position_m: Point3
     round_m: Annotated[float, InRange(0.5, 1000, "m")] = 5.0
     speed_m_s: Annotated[float, InRange(0.01, 10, "m/s")] = 0.5

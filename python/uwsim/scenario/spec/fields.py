@@ -13,7 +13,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import Annotated, Any, Literal, get_args, get_origin
+from typing import Annotated, Any, ClassVar, Literal, get_args, get_origin
 
 import numpy as np
 from pydantic import (
@@ -34,7 +34,7 @@ from uwsim.base.named import did_you_mean
 from uwsim.base.saved_state import DEFER_BUILD
 from uwsim.scenario.read.assets import find_asset, packaged_names
 from uwsim.scenario.read.validation_errors import HINTS, HINTS_MAX
-from uwsim.scenario.spec.json_schema import described, in_range
+from uwsim.scenario.spec.json_schema import ONE_OF, described, in_range
 
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,39}")
 
@@ -45,6 +45,9 @@ class Model(BaseModel):
     Building a validator takes longer than defining a model, so each is built when it is first used. Constants and
     defaults are therefore made by `model_construct`, which does not validate.
     """
+
+    one_of: ClassVar[tuple[str, ...]] = ()
+    """Fields of which a value states one; a form that sets it removes the others."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, defer_build=DEFER_BUILD)
 
@@ -69,7 +72,9 @@ class Model(BaseModel):
     @classmethod
     def __get_pydantic_json_schema__(cls, core: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
         schema = handler(core)
-        described(cls, handler.resolve_ref_schema(schema))
+        described(cls, found := handler.resolve_ref_schema(schema))
+        for name in cls.one_of:
+            found["properties"][name][ONE_OF] = list(cls.one_of)
         return schema
 
     @model_validator(mode="before")
@@ -207,8 +212,12 @@ def asset_at(value: object, info: ValidationInfo) -> Path:
 
 Name = Annotated[str, AfterValidator(_check_name), WithJsonSchema({"type": "string", "pattern": f"^{NAME.pattern}$"})]
 
-AssetFile = Annotated[Path, BeforeValidator(asset_at, json_schema_input_type=str)]
+_PathText = Annotated[str, WithJsonSchema({"type": "string", "format": "path"})]
+AssetFile = Annotated[Path, BeforeValidator(asset_at, json_schema_input_type=_PathText)]
 """An existing file: relative to the YAML file that names it (in Python: to the working folder), or else packaged."""
+_MeshText = Annotated[str, WithJsonSchema({"type": "string", "format": "mesh"})]
+MeshFile = Annotated[Path, BeforeValidator(asset_at, json_schema_input_type=_MeshText)]
+"""The same for a mesh."""
 
 # Rays are traced in float32, which resolves a millimetre within 10 km.
 Metres = Annotated[float, InRange(-10_000, 10_000, "m")]

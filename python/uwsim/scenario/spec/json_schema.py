@@ -100,6 +100,8 @@ class SensorFigure(Protocol):
 
 UNIT = "x-unit"
 """Keyword for a number's unit; validators ignore unknown keywords."""
+ONE_OF = "x-one-of"
+"""Keyword for the names of fields that must not stand beside each other."""
 
 
 def in_range(kind: str, low: float, high: float, unit: str = "") -> JsonSchemaValue:

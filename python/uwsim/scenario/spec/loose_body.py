@@ -144,8 +144,10 @@ class LooseBody(Model):
     tether: a cable from it to anything else; by default none.
     """
 
+    one_of = ("density_kg_m3", "mass_kg")
+
     shape: ObstacleSpec
-    density_kg_m3: Annotated[float, InRange(1, 25_000, "kg/m3")] | None = None
+    density_kg_m3: Annotated[float, InRange(1, 25_000, "kg/m3")] | None = Field(None, examples=[1100])
     mass_kg: Annotated[float, InRange(1e-3, 1e7, "kg")] | None = None
     drag_coefficient: Annotated[float, InRange(0, 10)] | None = None
     munk_share: Annotated[float, InRange(0, 1)] = 1.0

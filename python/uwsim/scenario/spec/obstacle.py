@@ -7,7 +7,7 @@ build/solids.py.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple, Protocol, Self
@@ -195,9 +195,6 @@ class ObstacleModel(Model):
     surface_class: ClassVar[str] = "structure"
     """Its class in labelled frames: "structure", "gate" or "pipeline"."""
 
-    example: ClassVar[Mapping[str, Any]] = {}
-    """Values with which a form for this kind begins, such as the scene editor's."""
-
     has_own_unit: ClassVar[bool] = False
     """True for a kind whose size comes from a file, so that a wrong unit is likely."""
 
@@ -237,7 +234,7 @@ class Placed(ObstacleModel):
     the bed that it would touch first; a negative value sinks it into the bed. position_m: position in the world.
     """
 
-    on_bed: StrictBool = False
+    on_bed: StrictBool = Field(False, examples=[True])
     position_m: Point3
 
     def placed(self, name: str, position_m: Point3, turned_deg: Point3) -> Self:

@@ -73,7 +73,7 @@ class PropEntry(Model):
     """
 
     name: Name
-    model: Annotated[Prop, BeforeValidator(_prop, json_schema_input_type=PropName | Prop)]
+    model: Annotated[Prop, BeforeValidator(_prop, json_schema_input_type=PropName | Prop)] = Field(examples=["drum"])
     position_m: Point3
     yaw_deg: Degrees = 0.0
     pitch_deg: Degrees = 0.0

@@ -37,8 +37,8 @@ class Stroke(Model):
     """
 
     line_m: Annotated[tuple[Point2, ...], Field(min_length=1, max_length=200)]
-    width_m: Size
-    height_m: Annotated[float, InRange(-1000, 1000, "m")] = 0.0
+    width_m: Size = Field(examples=[10])
+    height_m: Annotated[float, InRange(-1000, 1000, "m")] = Field(0.0, examples=[2])
     smooth: Annotated[float, InRange(0, 1)] = 0.0
 
 
@@ -52,7 +52,7 @@ class TerrainModel(Model):
     whole terrain. strokes: drawn on the source's heights, one after another.
     """
 
-    spacing_m: Spacing = 0.5
+    spacing_m: Spacing = Field(0.5, examples=[1])
     strokes: Annotated[tuple[Stroke, ...], Field(max_length=STROKES_MAX)] = ()
     window_m: tuple[Point2, Point2] | None = None
 

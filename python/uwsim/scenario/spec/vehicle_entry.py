@@ -178,7 +178,9 @@ class VehicleEntry(Model):
     """
 
     name: Name
-    model: Annotated[VehicleModel, BeforeValidator(_vehicle_model, json_schema_input_type=VehicleName | VehicleModel)]
+    model: Annotated[
+        VehicleModel, BeforeValidator(_vehicle_model, json_schema_input_type=VehicleName | VehicleModel)
+    ] = Field(examples=["bluerov2_heavy_outfit"])
     start: Annotated[
         StartPose | None, BeforeValidator(_start, json_schema_input_type=Literal["station"] | StartPose)
     ] = None

@@ -45,8 +45,8 @@ class AirySurface(Model):
     """
 
     kind: Literal["airy"]
-    amplitude_m: Annotated[float, InRange(0, 20, "m")]
-    period_s: Annotated[float, InRange(0.2, 60, "s")]
+    amplitude_m: Annotated[float, InRange(0, 20, "m")] = Field(examples=[0.3])
+    period_s: Annotated[float, InRange(0.2, 60, "s")] = Field(examples=[6])
     heading_deg: Degrees = 0.0
     phase_deg: Degrees = 0.0
     depth_m: BottomDepth | None = None
@@ -61,8 +61,8 @@ class JonswapSurface(Model):
     """
 
     kind: Literal["jonswap"]
-    significant_height_m: Annotated[float, InRange(0, 20, "m")]
-    peak_period_s: Annotated[float, InRange(0.5, 30, "s")]
+    significant_height_m: Annotated[float, InRange(0, 20, "m")] = Field(examples=[0.5])
+    peak_period_s: Annotated[float, InRange(0.5, 30, "s")] = Field(examples=[6])
     peak_enhancement: Annotated[float, InRange(1, 10)] = 3.3
     heading_deg: Degrees = 0.0
     spreading_exponent: Annotated[float, InRange(0, 100)] = 0.0

@@ -119,7 +119,9 @@ class Tide(Model):
     8601].
     """
 
-    constituents: Annotated[tuple[TideConstituent, ...], Field(min_length=1, max_length=40)]
+    constituents: tuple[TideConstituent, ...] = Field(
+        min_length=1, max_length=40, examples=[[{"constituent": "M2", "amplitude_m": 1}]]
+    )
     begin: Begin = WORLD_BEGIN
 
 
@@ -139,7 +141,7 @@ class Wind(Model):
     for `davenport`. Waves are `water.surface`. The optics and the link have this wind unless they have their own.
     """
 
-    speed_m_s: Annotated[float, InRange(0, 60, "m/s")]
+    speed_m_s: Annotated[float, InRange(0, 60, "m/s")] = Field(examples=[5])
     heading_deg: Degrees = 20.0
     gusts: Literal["npd", "davenport"] | None = None
     surface_drag: Annotated[float, InRange(0.0005, 0.01)] = 0.0015

@@ -6,6 +6,7 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field
 
 from uwsim.scenario.build.terrain import FloatGrid, grid_axes, resampled
 from uwsim.scenario.read.errors import ScenarioError
@@ -24,10 +25,10 @@ class ImageTerrain(TerrainModel):
     """
 
     source: Literal["image"]
-    file: AssetFile
-    size_m: tuple[Size, Size]
-    black_m: Metres
-    white_m: Metres
+    file: AssetFile = Field(examples=["terrains/mountains.png"])
+    size_m: tuple[Size, Size] = Field(examples=[[200, 200]])
+    black_m: Metres = Field(examples=[-20])
+    white_m: Metres = Field(examples=[-5])
     interpolation: Literal["cubic", "linear"] = "cubic"
 
     def heights(self) -> NDArray[np.floating]:

@@ -54,10 +54,12 @@ class NoiseTerrain(TerrainModel):
     """
 
     source: Literal["noise"]
-    size_m: tuple[Size, Size]
+    size_m: tuple[Size, Size] = Field(examples=[[100, 100]])
     seed: Annotated[int, InRange(0, 2**31 - 2)] = 0
-    bed_depth_m: Annotated[float, InRange(0, 1000, "m", beyond="a deeper bed is a chart's: source: raster")]
-    hill_height_m: Annotated[float, InRange(0, 500, "m")] = 0.0
+    bed_depth_m: Annotated[float, InRange(0, 1000, "m", beyond="a deeper bed is a chart's: source: raster")] = Field(
+        examples=[10]
+    )
+    hill_height_m: Annotated[float, InRange(0, 500, "m")] = Field(0.0, examples=[3])
     hill_wavelength_m: Size = 100.0
     octaves: Annotated[int, InRange(1, 8)] = 5
     gain: Annotated[float, InRange(0.01, 0.99)] = 0.4

@@ -6,6 +6,7 @@ from typing import Annotated, Literal
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field
 
 from uwsim.mapping.files.georeference import Georeference
 from uwsim.scenario.spec.fields import AssetFile, Factor, InRange, Size
@@ -31,17 +32,17 @@ class RasterTerrain(TerrainModel):
     """
 
     source: Literal["raster"]
-    file: AssetFile
+    file: AssetFile = Field(examples=["terrains/jacksboro_srtm.asc"])
     band: Annotated[int, InRange(1, 1000)] | None = None
-    crs: str | None = None
+    crs: str | None = Field(None, examples=["EPSG:4326"])
     unit: Literal["m", "ft", "us-ft"] | None = None
     nodata: Annotated[float, InRange(-1e38, 1e38)] | None = None
     positive: Literal["up", "down"] = "up"
-    water_level_m: Annotated[float, InRange(-12_000, 10_000, "m")]
-    horizontal_scale: Factor = 1.0
-    vertical_scale: Factor = 1.0
-    centre: tuple[Coordinate, Coordinate] | None = None
-    size_m: tuple[Size, Size] | None = None
+    water_level_m: Annotated[float, InRange(-12_000, 10_000, "m")] = Field(examples=[550])
+    horizontal_scale: Factor = Field(1.0, examples=[0.05])
+    vertical_scale: Factor = Field(1.0, examples=[0.11])
+    centre: tuple[Coordinate, Coordinate] | None = Field(None, examples=[[-84.19, 36.6]])
+    size_m: tuple[Size, Size] | None = Field(None, examples=[[440, 320]])
     interpolation: Literal["cubic", "linear"] = "cubic"
     fill_nodata: bool = False
 

@@ -11,10 +11,9 @@ from uwsim.channels.guest import Values
 from uwsim.exercises.goal import GoalModel
 from uwsim.operator.station.editor.files import EXERCISE, Place, SceneFiles
 from uwsim.operator.station.editor.forms import SECTIONS, Section, flattened, forms
-from uwsim.operator.station.editor.given import given
-from uwsim.operator.station.editor.goal_values import exchanged, first_prop, free_name, goal_values, one_of, referring
+from uwsim.operator.station.editor.goal_values import exchanged, first_prop, free_name, goal_values, referring
 from uwsim.operator.station.editor.ground_plan import GroundPlan
-from uwsim.operator.station.editor.start_values import EXAMPLES, start_values
+from uwsim.operator.station.editor.values import alone, given, start_values
 from uwsim.operator.station.editor.vehicle_parts import is_inherited, raw_parts
 
 STEPS_MAX = 200
@@ -80,7 +79,7 @@ class Draft:
             whole = {key: value for key, value in whole.items() if value is not None}
             self.take(self._with_part(files, place, whole))
             return
-        for key, value in self._known(model, one_of(section, own, values)):
+        for key, value in self._known(model, alone(model, values)):
             at = (*place, *key.split("."))
             if value is not None:
                 files = files.with_value(at, given(model[key], value))
@@ -102,12 +101,13 @@ class Draft:
             raise ValueError(f"kind = {kind[:40]!r}: must be one of {', '.join(forms()[section])}")
         x, y = (0.0 if found.of_vehicle else round(float(each), 3) for each in at_m)  # in the vehicle's frame
         model = {field["name"]: field for field in forms()[section][kind]}
-        chosen = {key: given(model[key], value) for key, value in self._known(model, own or {})}
-        values = start_values(section, kind, (x, y)) | chosen
+        own = {key: given(model[key], value) for key, value in self._known(model, alone(model, own or {}))}
+        values = start_values(section, kind, (x, y), own) | own
+        values = {key: value for key, value in values.items() if value is not None}
         above = found.below(vehicle)
         self._require_vehicle(above)
         if above[0] == EXERCISE:
-            return self._add_to_exercise(section, above, values, own or {})
+            return self._add_to_exercise(section, above, values, own)
         if found.holds == "names":
             name = free_name(kind or section.removesuffix("s"), list(self.names(above)))
             place: Place = (*above, name)
@@ -136,7 +136,7 @@ class Draft:
             named = {**first, "name": free_name(kind or str(values["model"]), taken), **named}
             values = values | {found.inner: named} if found.inner else named
         place = (*above, len(items))
-        if is_free := section == "props" and "position_m" not in chosen:
+        if is_free := section == "props" and "position_m" not in own:
             values["position_m"] = [x, y, self.plan.bed_at_m(x, y, str(values["name"]))]
         files = files.with_value(place, values)
         if is_free:  # on a slope, its height follows from its solids
@@ -153,7 +153,7 @@ class Draft:
         if section == "layout":
             values |= first_prop(self.scenario, _at(self.values, above) or (), own)
         if not goals:
-            files = files.with_value((EXERCISE,), {**EXAMPLES["exercise"], "scenario": files.name})
+            files = files.with_value((EXERCISE,), start_values("exercise", "", (0, 0)) | {"scenario": files.name})
             first = goal_values(self.scenario, (), start_values("goals", "reach", (0.0, 0.0)), {})
             files = files if section == "goals" else files.with_value((EXERCISE, "goals", 0), first)
         if SECTIONS[section].holds == "one" and _at(self.values, above) is not None:

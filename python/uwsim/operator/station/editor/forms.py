@@ -10,13 +10,12 @@ from typing import Any
 from uwsim.base.texts.yaml_document import Key
 from uwsim.channels.guest import Values
 from uwsim.exercises.by_seed import PropShift
-from uwsim.exercises.exercise import EVENT_COMMANDS, Aid, Event, Exercise
+from uwsim.exercises.exercise import Aid, Event, Exercise
 from uwsim.exercises.goal import Goal
 from uwsim.exercises.limits import Limit
-from uwsim.scenario.read.assets import packaged_names
 from uwsim.scenario.schema import schema
 from uwsim.scenario.spec.camera import Lamps
-from uwsim.scenario.spec.json_schema import UNIT
+from uwsim.scenario.spec.json_schema import ONE_OF, UNIT
 from uwsim.scenario.spec.loose_body import LOOSE_KINDS, LooseBody
 from uwsim.scenario.spec.prop import PropEntry
 from uwsim.scenario.spec.terrain import Stroke
@@ -27,7 +26,7 @@ from uwsim.scenario.spec.water_parts import Tide, Wind
 Schema = Mapping[str, Any]
 NUMBERS = ("number", "integer")
 AXES = ("x", "y", "z")
-TURNS = ("yaw_deg", "yaw_pitch_roll_deg")
+TURNS = ("yaw_deg", "yaw_pitch_roll_deg", "heading_deg")
 
 
 @dataclass(frozen=True)
@@ -36,7 +35,7 @@ class Section:
 
     holds: whether the place holds a list of parts, parts by name, or one part. key: of a part's kind. without: fields
     that are sections of their own. inner: the field that holds an obstacle, with the part's kind, name and place: its
-    fields are those of the part, as INNER.NAME.
+    fields are those of the part, as INNER.NAME. title: how it is called, if not by its name.
     """
 
     schema: str
@@ -46,6 +45,7 @@ class Section:
     key: str = "kind"
     without: tuple[str, ...] = ()
     inner: str = ""
+    title: str = ""
 
     def field(self, name: str) -> str:
         """Return the name of the field that has a part's kind (`key`) or its name (`name`)."""
@@ -62,25 +62,28 @@ class Section:
         return ("vehicles", vehicle, *self.place) if self.of_vehicle else self.place
 
 
-OF_EXERCISE = {"goals": "kind", "limits": "kind", "events": "", "aids": "", "layout": ""}
-"""Sections of the exercise, and the keys of their kinds."""
+OF_EXERCISE = {
+    "goals": ("kind", ""), "limits": ("kind", ""), "events": ("", ""), "aids": ("", ""),
+    "layout": ("", "Props moved by the seed"),
+}  # fmt: skip
+"""Sections of the exercise, and the keys of their kinds and the titles."""
 SECTIONS = {
     "obstacles": Section("obstacle", ("obstacles",), "list"),
     "props": Section("placed_prop", ("props",), "list"),
-    "objects": Section("loose_body", ("objects",), "list", without=("shape",), inner="shape"),
+    "objects": Section("loose_body", ("objects",), "list", without=("shape",), inner="shape", title="Loose bodies"),
     "currents": Section("current", ("water", "current"), "list"),
     "survey": Section("survey", ("survey",), "one"),
-    "terrain": Section("terrain", ("terrain",), "one", key="source", without=("strokes",)),
-    "strokes": Section("stroke", ("terrain", "strokes"), "list"),
+    "terrain": Section("terrain", ("terrain",), "one", key="source", without=("strokes",), title="Bed"),
+    "strokes": Section("stroke", ("terrain", "strokes"), "list", title="Drawn on the bed"),
     "water": Section("water", ("water",), "one", without=("surface", "current", "tide")),
-    "surface": Section("surface", ("water", "surface"), "one", key="kind"),
+    "surface": Section("surface", ("water", "surface"), "one", title="Waves"),
     "tide": Section("tide", ("water", "tide"), "one"),
     "wind": Section("wind", ("wind",), "one"),
     "vehicles": Section("vehicle_entry", ("vehicles",), "list", without=("start",)),
-    "optics": Section("optics", ("optics",), "one"),
-    "cover": Section("cover", ("cover",), "list"),
-    "life": Section("life", ("life",), "list"),
-    "starts": Section("start", ("start",), "one", of_vehicle=True),
+    "optics": Section("optics", ("optics",), "one", title="Light"),
+    "cover": Section("cover", ("cover",), "list", title="Cover and growth"),
+    "life": Section("life", ("life",), "list", title="Fish"),
+    "starts": Section("start", ("start",), "one", of_vehicle=True, title="Start"),
     **{
         name: Section(part, ("model", name), "names", of_vehicle=True)
         for name, part in (
@@ -88,8 +91,9 @@ SECTIONS = {
         )
     },
     "exercise": Section("exercise", ("exercise",), "one", without=("scenario", "start", *OF_EXERCISE)),
-    "exercise_start": Section("start", ("exercise", "start"), "one"),
-    **{name: Section(name, ("exercise", name), "list", key=key) for name, key in OF_EXERCISE.items()},
+    "exercise_start": Section("start", ("exercise", "start"), "one", title="Start in the exercise"),
+    **{name: Section(name, ("exercise", name), "list", key=key, title=title)
+       for name, (key, title) in OF_EXERCISE.items()},
 }  # fmt: skip
 OTHER_SCHEMAS: Mapping[str, Any] = {
     "surface": SurfaceSpec, "tide": Tide, "wind": Wind, "vehicle_entry": VehicleEntry, "lamps": Lamps,
@@ -97,10 +101,6 @@ OTHER_SCHEMAS: Mapping[str, Any] = {
     "exercise": Exercise, "goals": Goal, "limits": Limit, "events": Event, "aids": Aid,
     "layout": PropShift,
 }  # fmt: skip
-PACKAGED = {
-    ("vehicle_entry", "model"): "vehicles", ("placed_prop", "model"): "props", ("exercise", "vehicle"): "vehicles",
-}  # fmt: skip
-"""Folders of the packaged files that a field, by schema and name, can name."""
 
 
 @cache
@@ -113,7 +113,8 @@ def described_forms() -> list[Values]:
     """Return the sections as sent to the page; see wire.editor.FormSection."""
     return [
         {
-            "name": name, "holds": section.holds, "of_vehicle": section.of_vehicle,
+            "name": name, "title": section.title or name.replace("_", " ").capitalize(), "holds": section.holds,
+            "of_vehicle": section.of_vehicle,
             "kinds": [{"kind": kind, "fields": fields} for kind, fields in forms()[name].items()],
         }
         for name, section in SECTIONS.items()
@@ -166,9 +167,8 @@ def _kinds(section: Section) -> Iterator[tuple[str, list[Values]]]:
     for arm in whole.get("oneOf", [whole]):
         model = _resolved(arm, definitions)
         kind = model["properties"].get(section.key, {}).get("const", "")
-        required = model.get("required", [])
         fields = [
-            _packaged(section, _field(name, part, definitions, name in required))
+            _field(name, part, definitions, model)
             for name, part in model["properties"].items()
             if "const" not in part and name not in section.without
         ]
@@ -181,21 +181,8 @@ def _kinds(section: Section) -> Iterator[tuple[str, list[Values]]]:
                 yield kind, [*(field | {"name": section.field(field["name"])} for field in shape), *fields]
 
 
-def _packaged(section: Section, field: Values) -> Values:
-    """Return a field with what it has in its section alone: choices of files and commands, or another role."""
-    if section.schema in ("obstacle", "cover") and field["name"] == "file":
-        return field | {"role": "mesh"}
-    if section.schema == "goals" and field["name"] == "heading_deg":
-        return field | {"role": "turn"}
-    if section.schema == "events" and field["name"] == "command":
-        return field | {"type": "choice", "choices": list(EVENT_COMMANDS)}
-    folder = PACKAGED.get((section.schema, field["name"]))
-    return field | {"type": "choice", "choices": packaged_names(folder)} if folder else field
-
-
-def _field(name: str, part: Schema, definitions: Schema, is_required: bool) -> Values:
-    arms = [_resolved(arm, definitions) for arm in part.get("anyOf", [part])]
-    arms = [arm for arm in arms if arm.get("type") != "null"]
+def _field(name: str, part: Schema, definitions: Schema, model: Schema) -> Values:
+    arms = list(_arms(part, definitions))
     inner = arms[0] if len(arms) == 1 else {}
     items = _resolved(inner.get("items", {}), definitions) if isinstance(inner.get("items"), Mapping) else {}
     kind, width, number = "yaml", 1, inner
@@ -211,16 +198,29 @@ def _field(name: str, part: Schema, definitions: Schema, is_required: bool) -> V
     elif "enum" in inner:
         kind = "choice"
     elif inner.get("type") == "string":
-        kind = "text"
+        kind = "file" if inner.get("format") in ("path", "mesh") else "text"
     is_line = bool(columns) and columns[0][0] in ("x", "position_m[0]")
-    role = "place" if name == "position_m" else "turn" if name in TURNS else "line" if is_line else ""
+    role = "place" if name == "position_m" else "line" if is_line else "mesh" if inner.get("format") == "mesh" else ""
+    if name in TURNS and (name != "heading_deg" or "position_m" in model["properties"]):
+        role = "turn"
     return {
         "name": name, "meaning": part.get("description", ""), "type": kind, "unit": number.get(UNIT, ""),
         "low": number.get("minimum", number.get("exclusiveMinimum")), "high": number.get("maximum"), "width": width,
-        "columns": [column for column, _ in columns], "choices": list(inner.get("enum", [])),
+        "columns": [column for column, _ in columns],
+        "choices": next((list(arm["enum"]) for arm in arms if "enum" in arm), []),
         "by_default": [value for _, value in columns] if columns else part.get("default"),
-        "is_required": is_required, "role": role,
+        "is_required": name in model.get("required", ()), "role": role,
+        "start": next(iter(part.get("examples", ())), None), "one_of": part.get(ONE_OF, []),
     }  # fmt: skip
+
+
+def _arms(part: Schema, definitions: Schema) -> Iterator[Schema]:
+    """Yield the schemas of which a field's value fits one, without null."""
+    part = _resolved(part, definitions)
+    for arm in part.get("anyOf", ()):
+        yield from _arms(arm, definitions)
+    if "anyOf" not in part and part.get("type") != "null":
+        yield part
 
 
 def _columns(item: Schema, definitions: Schema) -> Iterator[tuple[str, float | None]]:

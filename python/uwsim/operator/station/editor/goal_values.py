@@ -1,4 +1,4 @@
-"""New goals of an exercise: what they name in its scene, and the fields of which a part has exactly one."""
+"""New goals of an exercise: what they name in its scene."""
 
 from __future__ import annotations
 
@@ -10,20 +10,8 @@ from uwsim.exercises.goal import GoalModel
 from uwsim.operator.station.editor.files import EXERCISE, SceneFiles
 from uwsim.scenario import Scenario
 
-ONE_OF = {
-    "goals look_at": ("position_m", "object"),
-    "goals move_joint": ("to_deg", "to_m"),
-    "events": ("at_s", "near", "after"),
-}
 MARKED = ("net", "pipeline")
 """Kinds of obstacles on which there is something to find."""
-
-
-def one_of(section: str, own: Mapping[str, Any], values: Mapping[str, Any]) -> Values:
-    """Return values to set, with None for the fields of a part that must not stand beside them."""
-    group = ONE_OF.get(f"{section} {own.get('kind')}") or ONE_OF.get(section, ())
-    given = any(values.get(key) is not None for key in group)
-    return {**(dict.fromkeys(group) if given else {}), **values}
 
 
 def goal_values(scenario: Scenario, goals: Sequence[GoalModel], values: Values, own: Mapping[str, Any]) -> Values:
@@ -36,7 +24,7 @@ def goal_values(scenario: Scenario, goals: Sequence[GoalModel], values: Values, 
     first = {"kind": kind, "name": free_name(kind, names), "title": kind.replace("_", " ").capitalize()}
     after = {"after": names[-1]} if names else {}
     in_prop = {"position_m": [0.0, 0.0, 0.0]} if own.get("of") and "position_m" in values else {}
-    found = {**first, **values, **first, **after, **in_prop, **one_of("goals", values, own)}
+    found = {**first, **values, **first, **after, **in_prop, **own}
     bodies = {body.name: body for body in scenario.objects if _is_for(kind, body)}
     marked = [each.name for each in scenario.obstacles if each.kind in MARKED]
     for key, known in (("object", list(bodies)), ("obstacle", marked)):

@@ -100,15 +100,16 @@ class EditState(Message):
 
 
 class FormField(Message):
-    """A field of a kind of part. type: number (width: how many), flag, choice, text, table (columns) or yaml.
+    """A field of a kind of part. type: number (width: how many), flag, choice, text, file, table (columns) or yaml.
 
-    low, high: bounds in unit, or null. by_default: its value if it is left out; of a table, one for each column. role:
-    place, turn or line for what the chart moves, mesh for a mesh's file, or "".
+    low, high: bounds in unit, or null. choices: what it can be or, of a text, what is packaged. by_default: its value
+    if it is left out; of a table, one for each column. role: place, turn or line for what the chart moves, mesh for a
+    mesh's file, or "". start: with which a new part begins, or null. one_of: fields of which a part has one.
     """
 
     name: str
     meaning: str
-    type: Literal["number", "flag", "choice", "text", "table", "yaml"]
+    type: Literal["number", "flag", "choice", "text", "file", "table", "yaml"]
     unit: str
     low: float | None
     high: float | None
@@ -118,6 +119,8 @@ class FormField(Message):
     by_default: Any
     is_required: bool
     role: Literal["", "place", "turn", "line", "mesh"]
+    start: Any
+    one_of: list[str]
 
 
 class FormKind(Message):
@@ -131,6 +134,7 @@ class FormSection(Message):
     """A section of a scenario. holds: list, names or one. of_vehicle: whether each vehicle has it."""
 
     name: str
+    title: str
     holds: Literal["list", "names", "one"]
     of_vehicle: bool
     kinds: list[FormKind]
