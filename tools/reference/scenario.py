@@ -12,7 +12,7 @@ from uwsim.scenario.spec.fields import InRange, Model
 from uwsim.scenario.spec.json_schema import descriptions
 from uwsim.scenario.spec.kinds import Kinds
 from uwsim.scenario.spec.scenario import Scenario
-from uwsim.simulator.parameters.field_type import field_type, stripped
+from uwsim.simulator.parameters.parameter import field_type, stripped
 
 HEAD = """# Scenario files
 

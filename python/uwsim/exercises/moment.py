@@ -9,7 +9,7 @@ import numpy as np
 
 from uwsim.base.arrays import Floats as Floats
 from uwsim.simulator.failures import Event
-from uwsim.simulator.notes import notes_of
+from uwsim.simulator.failures.events import notes_of
 from uwsim.simulator.simulator import Simulator
 from uwsim.simulator.vehicle import Vehicle
 

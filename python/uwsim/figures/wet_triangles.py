@@ -11,7 +11,7 @@ from matplotlib.colors import Normalize
 
 from uwsim.base.arrays import Floats
 from uwsim.figures.style import ACCENT, INK, add_colour_bar, label_axes, new_figure, save_figure
-from uwsim.simulator.wet_triangles import WetTriangles
+from uwsim.simulator.forces import WetTriangles
 
 DRY, PRESSURES = "#e8ecef", matplotlib.colormaps["YlGnBu"]
 VIEWS = (  # title, axis towards the viewer and its sign, axes across and up

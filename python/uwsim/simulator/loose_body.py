@@ -13,10 +13,8 @@ from uwsim.base.named import Named
 from uwsim.scenario.build.arm import link_specs
 from uwsim.scenario.spec.scenario import Scenario
 from uwsim.simulator.arm import Arm
-from uwsim.simulator.forces import Wrench, forces_by_name
-from uwsim.simulator.push import push
+from uwsim.simulator.forces import WetTriangles, Wrench, forces_by_name, push
 from uwsim.simulator.tether import Tether
-from uwsim.simulator.wet_triangles import WetTriangles
 
 
 class LooseBody:

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from uwsim import _core as native
 from uwsim.base.named import Named
 from uwsim.base.sealed import Attached
+from uwsim.instruments.sonars.mounted import Surroundings
 from uwsim.instruments.sonars.multibeam import Sonar, ping_together
-from uwsim.instruments.sonars.surroundings import Surroundings
 from uwsim.scenario import Scenario
 from uwsim.scenario.build.multibeam import backscatter_by_label, bottom_material, label_names
 from uwsim.scenario.build.station import carrier_index

@@ -19,8 +19,14 @@ from uwsim.base.named import Named
 from uwsim.base.saved_state import SavedState
 from uwsim.instruments.acoustics.pinger_sound import PingerSound
 from uwsim.instruments.cameras import Camera
-from uwsim.instruments.cameras.mounted import camera_mounts, change_cameras, station_cameras, vehicle_cameras
-from uwsim.instruments.cameras.saved import SavedHeads, SavedLamps
+from uwsim.instruments.cameras.mounted import (
+    SavedHeads,
+    SavedLamps,
+    camera_mounts,
+    change_cameras,
+    station_cameras,
+    vehicle_cameras,
+)
 from uwsim.instruments.cameras.shared_scene import SharedScene
 from uwsim.instruments.sample_stream import Deliveries
 from uwsim.instruments.sonars.imaging import Acoustics

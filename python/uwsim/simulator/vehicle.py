@@ -32,14 +32,12 @@ from uwsim.scenario.spec.vehicle_entry import VehicleEntry
 from uwsim.simulator.arm import Arm, Sensed
 from uwsim.simulator.docking import Dock
 from uwsim.simulator.dropper import Dropper
-from uwsim.simulator.forces import Wrench, forces_by_name
+from uwsim.simulator.forces import Thruster, WetTriangles, Wrench, forces_by_name
 from uwsim.simulator.helm import Helm
 from uwsim.simulator.onboard_navigation import ALIGNMENT_STD_M, ALIGNMENT_STD_M_S, OnboardNavigation, Use
 from uwsim.simulator.programs import FailsafeLike, HoldsLike
 from uwsim.simulator.tether import Tether
-from uwsim.simulator.thruster import Thruster
 from uwsim.simulator.vehicle_commands import CommandedVehicle
-from uwsim.simulator.wet_triangles import WetTriangles
 
 if TYPE_CHECKING:
     from uwsim.navigation.estimation import Navigator, Start

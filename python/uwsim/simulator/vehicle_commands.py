@@ -17,8 +17,8 @@ from uwsim.base.journal import EFFORT, Journal
 from uwsim.base.sealed import Attached
 from uwsim.simulator.arm import Arm, ByName
 from uwsim.simulator.docking import Dock
+from uwsim.simulator.forces import push, six_numbers
 from uwsim.simulator.helm import Helm, Reason, Source
-from uwsim.simulator.push import push, six_numbers
 from uwsim.simulator.tether import Tether
 
 PLAIN = {float}

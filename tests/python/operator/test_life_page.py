@@ -12,8 +12,8 @@ from uwsim.bridges.foxglove.life import level_turns, life
 from uwsim.live import LiveSimulator
 from uwsim.operator.station.scene.life import PERIOD_S
 from uwsim.operator.station.sessions.description import describe
+from uwsim.simulator.moving_shapes import MOST, swarm_places, swarms
 from uwsim.simulator.simulator import Simulator
-from uwsim.simulator.swarms import MOST, swarm_places, swarms
 
 LIVELY = """
 name: lively

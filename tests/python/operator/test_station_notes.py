@@ -16,7 +16,7 @@ from uwsim.exercises import load_exercise
 from uwsim.live import LiveSimulator
 from uwsim.operator.station.sessions.inspection import looked_at, notes_csv, notes_geojson
 from uwsim.recording.replay import replay as replay_recording
-from uwsim.simulator.notes import comment_of, notes_of
+from uwsim.simulator.failures.events import comment_of, notes_of
 
 LEVEL = (0.0, 0.0, 0.0, 1.0)
 

@@ -11,7 +11,7 @@ from uwsim.missions import follow_tether, goto, run
 from uwsim.scenario import Scenario, ScenarioError
 from uwsim.scenario.fingerprint import scenario_fingerprint
 from uwsim.scenario.spec.camera import CameraMount
-from uwsim.simulator.tether_turns import turns_about
+from uwsim.simulator.tether import turns_about
 from uwsim.simulator.vehicle import Vehicle
 
 TETHER = {"anchor": [0, 0, -4], "at_m": [-0.2, 0, 0], "length_m": 6.0, "elements": 12}

@@ -9,7 +9,7 @@ from foxglove.messages import Color, Pose, Quaternion, SceneEntity, SceneUpdate,
 from numpy.typing import NDArray
 
 from uwsim.bridges.foxglove.primitives import timestamp
-from uwsim.simulator.swarms import Swarm
+from uwsim.simulator.moving_shapes import Swarm
 
 SHARES = {"fish": (1.0, 0.15, 0.28), "bubbles": (1.0, 1.0, 1.0)}
 """Length, width and height, of the size."""

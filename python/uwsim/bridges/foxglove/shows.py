@@ -16,9 +16,8 @@ from uwsim.channels import Channel
 from uwsim.channels.delivery.feed import Reading, Readings
 from uwsim.channels.delivery.outgoing import Job, Line, Outgoing
 from uwsim.live import LiveSimulator
-from uwsim.simulator.moving_shapes import moving_shapes, shape_poses
+from uwsim.simulator.moving_shapes import moving_shapes, shape_poses, swarm_places, swarms
 from uwsim.simulator.simulator import Simulator
-from uwsim.simulator.swarms import swarm_places, swarms
 from uwsim.simulator.tether import TetherReading
 
 BODIES_S = 0.2  # between two looks for what moves, in simulated time

@@ -11,8 +11,8 @@ from uwsim.base.quaternions import of_yaw_pitch_roll_deg
 from uwsim.evidence.validate.flights import deep_scenario
 from uwsim.scenario.build.hull import vehicle_hull
 from uwsim.scenario.spec.vehicle import Trim, VehicleModel
+from uwsim.simulator.forces import WetTriangles
 from uwsim.simulator.simulator import Simulator
-from uwsim.simulator.wet_triangles import WetTriangles
 
 HALVINGS = 50
 TILT_DEG = 0.5

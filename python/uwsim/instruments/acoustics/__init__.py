@@ -4,7 +4,6 @@ found = arrivals([(0, 1480), (100, 1530)], source_depth_m=20, receiver_depth_m=6
 found.time_s, found.level_db, found.surface_bounces
 """
 
-from uwsim.instruments.acoustics.layered_water import Arrivals, arrivals
-from uwsim.instruments.acoustics.seabeds import SEABEDS, seabed_backscatter_db
+from uwsim.instruments.acoustics.layered_water import SEABEDS, Arrivals, arrivals, seabed_backscatter_db
 
 __all__ = ["SEABEDS", "Arrivals", "arrivals", "seabed_backscatter_db"]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from typing import Any, Protocol, cast
 
 from numpy.typing import ArrayLike
@@ -21,9 +22,25 @@ from uwsim.instruments.sonars.imaging import (
     SonarImage,
     Waterfall,
 )
-from uwsim.instruments.sonars.surroundings import Surroundings
 from uwsim.scenario.spec.imaging_sonar import ImagingMount, imaging_kind
 from uwsim.scenario.spec.vehicle_entry import VehicleEntry
+
+
+@dataclass(frozen=True, eq=False)
+class Surroundings:
+    """A snapshot from `Simulator.around`, for imaging sonars and depth maps.
+
+    scene: the world and the other vehicles. strengths_db: Lambert strength of each surface's material, by
+    Simulator.label_names. materials: how each surface scatters by angle and how it reflects, by the same names.
+    """
+
+    scene: _core.RayScene
+    world: _core.World
+    strengths_db: Mapping[str, float]
+    seed: int
+    threads: int
+    time_ns: int
+    materials: Mapping[str, _core.BottomMaterial] = field(default_factory=dict)
 
 
 class Fleet(imaging.Place, Protocol):

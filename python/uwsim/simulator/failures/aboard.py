@@ -13,12 +13,11 @@ from uwsim.base.named import require_names
 from uwsim.base.saved_state import State
 from uwsim.scenario import Scenario
 from uwsim.simulator.docking import Dock
-from uwsim.simulator.failures.events import EventLog
+from uwsim.simulator.failures.events import EventLog, write_note
 from uwsim.simulator.failures.failsafe import Failsafe, FailsafeState
 from uwsim.simulator.failures.faults import Faults, FaultsState
 from uwsim.simulator.holds import Holds, HoldsState
 from uwsim.simulator.network import Network
-from uwsim.simulator.notes import write_note
 from uwsim.simulator.vehicle import Vehicle
 
 FAILSAFE_OF = "failsafe of "

@@ -1,13 +1,15 @@
-"""Spontaneous events during a run: faults, alarms, failsafe reactions."""
+"""The events of a run: faults, alarms, failsafe reactions, and an operator's notes."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any, ClassVar, overload
 
 from pydantic import FiniteFloat
 
+from uwsim.base.agenda import Agenda
+from uwsim.base.commands import COMMENT, NOTE, NOTES_MAX, require_note
 from uwsim.base.saved_state import State, Tick
 from uwsim.base.texts.value_words import Detail, details, words
 
@@ -88,3 +90,35 @@ class EventLog(Sequence[Event]):
     def restore(self, state: Sequence[EventState]) -> None:
         """Load events returned by `save`, replacing the current ones."""
         self._events = [Event(**dict(event)) for event in state]
+
+
+def write_note(
+    events: EventLog,
+    agenda: Agenda,
+    vehicle: str,
+    *,
+    text: str,
+    category: str = "observation",
+    position_world_m: Sequence[float] | None = None,
+    picture: str = "",
+) -> None:
+    """Log a note. position_world_m: (3,), the position of the note's subject; None if unknown.
+
+    Raises ValueError for invalid arguments, or if there are already NOTES_MAX notes.
+    """
+    require_note(text, category, picture)
+    if len(notes_of(events)) >= NOTES_MAX:
+        raise ValueError(f"command 'note': there are {NOTES_MAX} notes already")
+    place = None if position_world_m is None else [float(value) for value in position_world_m]
+    events.add(agenda.tick, vehicle, NOTE, text=text, category=category, position_world_m=place, picture=picture)
+
+
+def notes_of(events: Iterable[Event]) -> list[Event]:
+    """Return the notes among events, comments included."""
+    return [event for event in tuple(events) if event.name == NOTE]
+
+
+def comment_of(events: Iterable[Event]) -> str:
+    """Return the comment currently shown in pictures; "" if there is none."""
+    comments = [event.values["text"] for event in notes_of(events) if event.values["category"] == COMMENT]
+    return comments[-1] if comments else ""

@@ -13,9 +13,8 @@ from uwsim.base.axes import AXES
 from uwsim.base.commands.holds import EXCLUSIVE, HOLDS
 from uwsim.navigation.control.controller import Controller
 from uwsim.simulator.failures.events import EventLog
-from uwsim.simulator.failures.steered import ZERO
+from uwsim.simulator.failures.steered import ZERO, Aided
 from uwsim.simulator.helm import Reason
-from uwsim.simulator.holds.aided import Aided
 from uwsim.simulator.holds.listener import COMPASS, EVERY_HOLD, Listener
 from uwsim.simulator.holds.state import HoldsState
 from uwsim.simulator.vehicle import Vehicle

@@ -10,7 +10,7 @@ from uwsim.scenario.spec.json_schema import SensorFigure
 from uwsim.scenario.spec.scenario import Scenario
 from uwsim.scenario.spec.sensor import OWN_NOISE, SensorMount
 from uwsim.scenario.spec.sensor_kind import sensor_kind
-from uwsim.simulator.parameters.field_type import FieldType
+from uwsim.simulator.parameters.parameter import FieldType
 
 NOISE_UNITS = {"density": "{}/sqrt(Hz)", "walk": "{}/sqrt(s)", "bias_time_s": "s"}
 STRENGTHS_TYPE = FieldType("structure", meaning="Lambert's strength of single surfaces, by name [dB]")

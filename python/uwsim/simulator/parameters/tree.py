@@ -14,10 +14,9 @@ from uwsim.scenario.spec.json_schema import descriptions
 from uwsim.scenario.spec.scenario import Scenario
 from uwsim.scenario.spec.sensor import Noise, SensorMount
 from uwsim.simulator.parameters import table
-from uwsim.simulator.parameters.effective import effective
-from uwsim.simulator.parameters.field_type import FieldType, field_type, stripped
+from uwsim.simulator.parameters.effective import effective, idle
 from uwsim.simulator.parameters.figures import imaging_figures, noise_unit, sensor_figures
-from uwsim.simulator.parameters.idle import idle
+from uwsim.simulator.parameters.parameter import FieldType, field_type, stripped
 
 Place = tuple[str | int, ...]
 """The path to a value through a scenario's models: fields, keys and indices."""

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from uwsim.channels.guest import GuestTopic, Node, Values
 from uwsim.channels.ros import build
 from uwsim.live import LiveSimulator
+from uwsim.simulator.moving_shapes import swarm_places, swarms
 from uwsim.simulator.simulator import Simulator
-from uwsim.simulator.swarms import swarm_places, swarms
 
 TOPIC = "station/life"
 TYPE = "std_msgs/msg/Float32MultiArray"

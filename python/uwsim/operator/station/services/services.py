@@ -38,8 +38,8 @@ from uwsim.operator.station.start.choice import (
 )
 from uwsim.operator.station.wire.calls import CALLS
 from uwsim.scenario import ScenarioError
+from uwsim.simulator.failures.events import comment_of
 from uwsim.simulator.helm import Reason
-from uwsim.simulator.notes import comment_of
 
 DEAD_S = 3.0  # others may take the controls if a pilot sends nothing for this long, not even replies to pings
 

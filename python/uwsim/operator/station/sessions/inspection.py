@@ -26,7 +26,7 @@ from uwsim.operator.station.views.snapshots import Snapshots
 from uwsim.recording import Recorder
 from uwsim.scenario.georeference import georeference
 from uwsim.simulator.failures import Event
-from uwsim.simulator.notes import comment_of, notes_of
+from uwsim.simulator.failures.events import comment_of, notes_of
 from uwsim.simulator.simulator import Simulator
 
 PLACES = ("view", "vehicle")

@@ -14,7 +14,7 @@ from uwsim.live import NotRunningError
 from uwsim.operator.station.helm.lease import Lease
 from uwsim.operator.station.sessions.running import Running
 from uwsim.operator.station.sessions.sessions import STATE, Sessions
-from uwsim.simulator.notes import comment_of, notes_of
+from uwsim.simulator.failures.events import comment_of, notes_of
 
 STATE_S = 0.5  # even if nothing has changed: a page that receives nothing for 1.5 s suspects its network
 SILENT_S = 1.5  # silence of the pilot, who is pinged every second, after which it is reported

@@ -18,7 +18,7 @@ from uwsim.instruments.gauges import GAUGES
 from uwsim.live import LiveSimulator
 from uwsim.operator.station.views.arrivals import Arrivals
 from uwsim.operator.station.views.views import Views
-from uwsim.simulator.notes import comment_of
+from uwsim.simulator.failures.events import comment_of
 
 OF_THE_TRUTH = ("true_position", "is_truth")
 """Fields of /telemetry that are not stored in pictures."""
