@@ -33,9 +33,9 @@ from uwsim.missions.items import (
     checked,
     fly_items,
 )
+from uwsim.missions.lawn_mower import mow
 from uwsim.missions.lawn_mower_plan import LawnMowerPlan, missing_for_lanes
 from uwsim.missions.moves import SPEED_MAX_M_S, reached_m
-from uwsim.missions.mow import mow
 from uwsim.missions.own_vehicle import OwnVehicle
 from uwsim.missions.pictures import PictureFolder
 from uwsim.missions.run import MissionFunction

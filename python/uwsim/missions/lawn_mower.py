@@ -29,11 +29,12 @@ from uwsim.missions.lane_curves import LaneCurves, LegName, LegStart, MowerState
 from uwsim.missions.lanes import LANE_FLOWN, LANES_FLOWN, LEAST_FLOWN, Lane, LaneEnd, lane_values, not_flown_because
 from uwsim.missions.lawn_mower_plan import LawnMowerPlan, SlowPlanWarning, missing_for_lanes
 from uwsim.missions.lookout import Lookout
-from uwsim.missions.own_vehicle import OwnVehicle
+from uwsim.missions.own_vehicle import OwnVehicle, own_vehicle
 from uwsim.missions.steps import Steps, StoppedError, drive
-from uwsim.missions.survey_pilot import Pilot, survey_pilot
+from uwsim.missions.vehicle import Vehicle
 from uwsim.missions.water_ahead import TURN_RANGE_M, is_water_ahead
 from uwsim.navigation.control.autopilot import wrap_angle
+from uwsim.navigation.control.controller import Pilot, survey_pilot
 from uwsim.navigation.control.protocols import Clock, SurveyVehicle, Watch
 from uwsim.navigation.sensor_choice import port_proximity
 
@@ -402,3 +403,11 @@ class AdaptiveLawnMower(Sealed):
 
 def _clip(value: float, low: float, high: float) -> float:
     return min(max(value, low), high)
+
+
+def mow(vehicle: Vehicle, plan: LawnMowerPlan) -> Steps[None]:
+    """Fly the lanes of a plan with the adaptive lawn-mower. Raises StoppedError unless all lanes are flown."""
+    own = own_vehicle(vehicle)
+    ended = yield from AdaptiveLawnMower(own, own, plan).steps()
+    if ended != COVERED:
+        raise StoppedError(ended)

@@ -7,9 +7,8 @@ import math
 from uwsim.base.sealed import Sealed
 from uwsim.missions.heights import HIGHEST_Z_M, HeightState, YoYo
 from uwsim.missions.moves import CLIMB_M, steer
-from uwsim.missions.obstacle_memory import ObstacleMemory
 from uwsim.missions.own_vehicle import OwnVehicle
-from uwsim.missions.shoal_chart import ShoalChart
+from uwsim.missions.shoal_chart import ObstacleMemory, ShoalChart
 from uwsim.missions.steps import Steps
 from uwsim.navigation.control.autopilot import Autopilot, wrap_angle
 from uwsim.navigation.control.controller import Controller

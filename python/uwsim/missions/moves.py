@@ -310,3 +310,13 @@ def require_able(vehicle: OwnVehicle) -> None:
     vehicle.watch_tilt(upright)
     if upright < CAPSIZED_COSINE:
         raise StoppedError("capsized: the vehicle has pitched or rolled over")
+
+
+def visit(vehicle: Vehicle, points_world_m: Sequence[Point], speed_m_s: float = 0.5) -> Steps[int]:
+    """Undock if needed, then visit each point (3,) in turn and log `waypoint` with its number. Return their count."""
+    if not vehicle.released:
+        vehicle.undock()
+    for number, point in enumerate(points_world_m, 1):
+        yield from goto(vehicle, point, speed_m_s=speed_m_s)
+        vehicle.log("waypoint", number=number)
+    return len(points_world_m)

@@ -11,7 +11,7 @@ from uwsim import Simulator
 from uwsim.base.axes import AXES
 from uwsim.missions import COVERED, AdaptiveLawnMower, LawnMowerPlan
 from uwsim.missions.lanes import lawn_mower_lanes
-from uwsim.missions.obstacle_memory import ObstacleMemory
+from uwsim.missions.shoal_chart import ObstacleMemory
 from uwsim.navigation.control.autopilot import Autopilot, wrap_angle
 from uwsim.scenario import load, load_vehicle
 

@@ -6,9 +6,8 @@ import pytest
 from test_missions import ScriptedVehicle, wide_pool
 from uwsim import Simulator
 from uwsim.missions import COVERED, AdaptiveLawnMower, Lane, LawnMowerPlan
-from uwsim.missions.survey_pilot import survey_pilot
 from uwsim.navigation.control.autopilot import Autopilot
-from uwsim.navigation.control.controller import Controller
+from uwsim.navigation.control.controller import Controller, survey_pilot
 from uwsim.scenario import load
 
 PLAN = LawnMowerPlan([[-40, -10], [40, -10], [40, 10], [-40, 10]], altitude_m=2.0, speed_m_s=1.4)

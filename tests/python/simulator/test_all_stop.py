@@ -16,9 +16,8 @@ from uwsim import Simulator
 from uwsim.live import COMMANDS
 from uwsim.missions import LawnMowerPlan, StoppedError, dive_to, follow, goto, hold, mow, run, turn_to, wait
 from uwsim.navigation.control.autopilot import Autopilot
-from uwsim.navigation.control.controller import Controller
+from uwsim.navigation.control.controller import Controller, VelocityHold
 from uwsim.navigation.control.path import PathFollower
-from uwsim.navigation.control.velocity_hold import VelocityHold
 from uwsim.simulator.helm import AllStopWarning
 from uwsim.simulator.vehicle import Vehicle
 

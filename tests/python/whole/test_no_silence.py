@@ -13,7 +13,7 @@ from uwsim.mapping import OccupancyMap
 from uwsim.missions import AdaptiveLawnMower, LawnMowerPlan, ObstacleMemory
 from uwsim.navigation.control import Autopilot
 from uwsim.navigation.control.autopilot import Gains
-from uwsim.navigation.control.velocity_hold import VelocityHold
+from uwsim.navigation.control.controller import VelocityHold
 
 
 def lawn_mower(sim: Simulator) -> AdaptiveLawnMower:

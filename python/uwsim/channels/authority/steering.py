@@ -17,8 +17,7 @@ from uwsim.channels.authority.rights import Rights
 from uwsim.channels.channel import Channel
 from uwsim.channels.source import Source
 from uwsim.live import LiveSimulator, NotRunningError, Subscription
-from uwsim.navigation.control.controller import Controller
-from uwsim.navigation.control.velocity_hold import VelocityHold
+from uwsim.navigation.control.controller import Controller, VelocityHold
 from uwsim.scenario.build.station import tethered_through
 from uwsim.simulator.helm import Clock, Helm, Lease, Reason, Timeout
 from uwsim.simulator.helm import Source as Rank

@@ -10,8 +10,17 @@ from uwsim.base.reader import Reader
 from uwsim.base.texts.json_text import json_object
 from uwsim.base.texts.text_file import decoded
 from uwsim.exchange.plans import charts, plan_file
-from uwsim.missions.field.mission import ITEMS_MAX, FieldFileError, FieldMission, Item, finite, lat_lon, number, whole
-from uwsim.missions.field.read import BYTES_MAX
+from uwsim.missions.field.mission import (
+    BYTES_MAX,
+    ITEMS_MAX,
+    FieldFileError,
+    FieldMission,
+    Item,
+    finite,
+    lat_lon,
+    number,
+    whole,
+)
 
 BOM = b"\xef\xbb\xbf"
 ARCHIVE = b"PK\x03\x04"

@@ -5,8 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, NamedTuple
 
+from uwsim.base.reader import reader_of, readers
+from uwsim.base.texts.text_file import read_limited
 from uwsim.missions.fence import Zone
 from uwsim.missions.items import WAYPOINT
 
@@ -117,3 +120,30 @@ def finite(value: Any) -> float:
     """Return a parameter of an item; 0 for null, which stands for a default."""
     found = 0.0 if value is None else number(value, "parameter", -1e12, 1e12)
     return 0.0 if math.isnan(found) else found
+
+
+GROUP = "uwsim.kinds.mission_file"
+"""Each reader returns a FieldMission of a file's bytes and its name."""
+BYTES_MAX = 20_000_000
+
+
+def is_mission_file(path: Path) -> bool:
+    """Return whether a file's content begins as one of the field's. Raises OSError."""
+    return path.suffix != ".py" and path.is_file() and reader_of(GROUP, path) is not None
+
+
+def read_mission_file(path: str | Path) -> FieldMission:
+    """Read a mission's file. Raises FieldFileError, which names it, or OSError."""
+    path = Path(path)
+    try:
+        data = read_limited(path, str(path), BYTES_MAX)
+        if (reader := reader_of(GROUP, path)) is None:
+            known = ", ".join(each.what for each in readers(GROUP).values())
+            raise FieldFileError(f"{path}: is no mission's file: must be {known}")
+        found: FieldMission = reader.read(data, str(path))
+        if not found.items and not found.areas:
+            raise FieldFileError("has nothing to fly")
+    except ValueError as error:
+        text = str(error)
+        raise FieldFileError(text if text.startswith(f"{path}:") else f"{path}: {text}") from None
+    return found

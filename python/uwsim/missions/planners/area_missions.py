@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 from uwsim.missions.heights import YoYo
+from uwsim.missions.lawn_mower import mow
 from uwsim.missions.lawn_mower_plan import LawnMowerPlan
-from uwsim.missions.mow import mow
 from uwsim.missions.own_vehicle import OwnVehicle
 from uwsim.missions.planners.boustrophedon import MownArea, mow_area
 from uwsim.missions.planners.frontier import Explored, explore

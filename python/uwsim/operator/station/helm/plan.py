@@ -16,9 +16,9 @@ from uwsim.live import LiveSimulator
 from uwsim.live.clock import MissionClock
 from uwsim.missions import StoppedError
 from uwsim.missions.heights import HIGHEST_Z_M
+from uwsim.missions.moves import visit
 from uwsim.missions.own_vehicle import Event, OwnVehicle
 from uwsim.missions.run import run
-from uwsim.missions.waypoints import visit
 from uwsim.scenario import start_pose
 from uwsim.simulator.simulator import Simulator
 
