@@ -20,11 +20,10 @@ from uwsim.channels.families import frames
 from uwsim.channels.families.cameras import station_cameras
 from uwsim.channels.families.estimate import has_estimate
 from uwsim.channels.families.frames import Tf
-from uwsim.channels.families.logged import logged_channels
 from uwsim.channels.families.map import PingMap
 from uwsim.channels.families.pings import Pings
 from uwsim.channels.families.published import TRUE_TOPICS, published_channels, station_picture
-from uwsim.channels.families.registered import items_of
+from uwsim.channels.families.registered import items_of, logged_channels
 from uwsim.channels.families.tether import object_tether_channels
 from uwsim.channels.source import Source
 from uwsim.simulator.helm import Helm

@@ -205,7 +205,7 @@ def diff(
     The maps must have the same resolution. With --out, the voxels are also drawn.
     """
     from uwsim.figures.map_difference import draw_map_difference
-    from uwsim.mapping.difference import STATES, map_difference
+    from uwsim.mapping.changes import STATES, map_difference
     from uwsim.mapping.files.map_files import open_map
 
     figure = None if out is None else require_png(out)

@@ -18,7 +18,7 @@ from uwsim.exchange.scenario_source import Made
 from uwsim.scenario.dump import yaml_text
 from uwsim.scenario.terrains.elevations import chart_raster
 from uwsim.scenario.terrains.raster import RasterTerrain
-from uwsim.scenario.terrains.raster_grid import Raster
+from uwsim.scenario.terrains.raster_file import Raster
 
 SUFFIXES = (".bag", ".tif", ".tiff", ".h5", ".nc", ".grd", ".asc", ".img", ".vrt")
 SOUNDED = (".xyz", ".csv", ".txt", ".dat", ".las", ".laz")

@@ -1,4 +1,4 @@
-"""Figures of a flight: track over the true bed, depth and altitude, commands and battery, and estimation error."""
+"""Figures of a flight: track, depth and altitude, commands and battery, estimation error, and the map's growth."""
 
 from __future__ import annotations
 
@@ -14,7 +14,17 @@ from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
 from uwsim import _core
-from uwsim.figures.style import ACCENT, HEIGHTS, INK, add_colour_bar, add_legend, height_range, label_axes, new_figure
+from uwsim.figures.style import (
+    ACCENT,
+    HEIGHTS,
+    INK,
+    add_colour_bar,
+    add_legend,
+    height_range,
+    label_axes,
+    new_figure,
+    save_figure,
+)
 from uwsim.figures.style import save_figure as save
 
 WIDTH_IN = 4.4  # narrow, so that text is legible on a phone
@@ -194,3 +204,44 @@ def _over_time(title: str, label: str, time_s: NDArray[np.float64], height_in: f
 
 def _colours(count: int) -> list[str]:
     return [TRACKS[k % len(TRACKS)] for k in range(count)]
+
+
+def draw_growth(path: Path, rows: Sequence[Mapping[str, float]]) -> None:
+    """Draw rows containing time_s, area_m2, distance_mean_m and distance_p95_m. Raises OSError."""
+    figure = new_figure(WIDTH_IN, 3.6)
+    minutes = [row["time_s"] / 60.0 for row in rows]
+    area, distance = figure.add_axes((0.0, 0.58, 1.0, 0.42)), figure.add_axes((0.0, 0.0, 1.0, 0.42))
+    label_axes(area, "Growth of the map", "", "area [m2]")
+    area.plot(minutes, [row["area_m2"] for row in rows], color=ACCENT, marker=".")
+    label_axes(distance, "", "time [min]", "to the truth [m]")
+    distance.plot(minutes, [row["distance_mean_m"] for row in rows], color=ACCENT, marker=".", label="mean")
+    distance.plot(minutes, [row["distance_p95_m"] for row in rows], color=INK, linestyle="--", label="95 % within")
+    for axes in (area, distance):
+        axes.set_ylim(bottom=0.0)
+    add_legend(distance, 2)
+    save_figure(figure, path)
+
+
+def draw_depth_profile(path: Path, world: _core.World, path_world_m: NDArray[np.float64]) -> None:
+    """Draw the height z of the sonar and of the terrain below it against the distance flown.
+
+    path_world_m: (n, 3), the sonar's position at each ping, n >= 2. Raises ValueError for fewer positions, OSError if
+    the file cannot be written.
+    """
+    if len(path_world_m) < 2:
+        raise ValueError(f"path_world_m = {len(path_world_m)} positions: must be two or more")
+    flown_m = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(path_world_m, axis=0), axis=1))])
+    sonar_m = path_world_m[:, 2]
+    ground_m = world.height_at(np.ascontiguousarray(path_world_m[:, :2]))
+    low = float(np.nanmin(np.append(ground_m, sonar_m)))
+    figure = new_figure(9.6, 3.0)
+    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+    label_axes(axes, "Depth along the path", "distance flown [m]", "z [m], 0 is the water's surface")
+    axes.set_facecolor(WATER)
+    axes.set_xlim(0.0, max(float(flown_m[-1]), 1.0))
+    axes.set_ylim(low - 0.08 * abs(low) - 0.5, 0.0)
+    axes.fill_between(flown_m, ground_m, axes.get_ylim()[0], color=GROUND, linewidth=0, label="true seabed below")
+    axes.plot(flown_m, ground_m, color=GROUND_LINE, linewidth=0.8)
+    axes.plot(flown_m, sonar_m, color=ACCENT, linewidth=1.4, label="sonar")
+    add_legend(axes, 2)
+    save_figure(figure, path)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.figures.style import FAINT_INK, add_legend, label_axes, new_figure, save_figure
-from uwsim.mapping.difference import MapDifference
+from uwsim.mapping.changes import MapDifference
 
 WIDTH_IN = 9.6
 BOTH, ONLY_FIRST, ONLY_SECOND = "#c9d1d8", "#d55e00", "#0072b2"  # vermilion and blue from the Okabe-Ito palette

@@ -12,9 +12,15 @@ from numpy.typing import NDArray
 
 from uwsim import _core
 from uwsim.base.atomic_file import write_atomically
-from uwsim.figures.depth_profile import draw_depth_profile
-from uwsim.figures.flight import draw_budget, draw_depth, draw_estimate, draw_power, draw_track
-from uwsim.figures.growth import draw_growth
+from uwsim.figures.flight import (
+    draw_budget,
+    draw_depth,
+    draw_depth_profile,
+    draw_estimate,
+    draw_growth,
+    draw_power,
+    draw_track,
+)
 from uwsim.figures.html_page import data_uri, filled_page
 from uwsim.figures.map_errors import draw_map_errors
 from uwsim.figures.map_from_above import draw_map_from_above

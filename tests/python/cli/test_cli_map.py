@@ -9,8 +9,8 @@ import rasterio
 
 from pool_maps import VOXEL_M, error_of, uwsim_map
 from uwsim.mapping import OccupancyMap
+from uwsim.mapping.changes import map_difference
 from uwsim.mapping.depth_grid import depth_grid
-from uwsim.mapping.difference import map_difference
 from uwsim.mapping.files import read_cloud, write_cloud
 from uwsim.scoring.survey_track import SurveyTrack
 

@@ -27,7 +27,7 @@ from uwsim.figures.style import label_axes, new_figure, save_figure
 from uwsim.figures.vehicle import draw_circles, draw_eigenvalues, draw_vehicle
 from uwsim.instruments.acoustics.rays_between import rays_between
 from uwsim.mapping import OccupancyMap
-from uwsim.mapping.difference import map_difference
+from uwsim.mapping.changes import map_difference
 from uwsim.scenario import load
 from uwsim.scenario.spec.vehicle import load_vehicle
 from uwsim.scoring import track_plot

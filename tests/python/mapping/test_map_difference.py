@@ -9,7 +9,7 @@ from typer.testing import CliRunner
 from pool_maps import VOXEL_M, read_figure, uwsim_map, write_pool_maps
 from uwsim.cli.map import app
 from uwsim.mapping import OccupancyMap
-from uwsim.mapping.difference import map_difference
+from uwsim.mapping.changes import map_difference
 from uwsim.mapping.slice import slice_map
 
 

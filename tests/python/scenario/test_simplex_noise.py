@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from uwsim.scenario.build.simplex_noise import SKEW, fractal_noise
+from uwsim.scenario.terrains.noise import SKEW, fractal_noise
 
 
 def test_the_noise_is_fast_noise_lites_to_the_bit() -> None:

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import inspect
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Set
 from dataclasses import replace
 from typing import Any
 
 from uwsim.base.sockets import SocketWarning, blamed, blaming, load_all, registered
-from uwsim.channels.channel import Channel, Service
+from uwsim.channels.channel import Channel, Delivery, Service
 from uwsim.channels.names import SHARED, checked_namespace
+from uwsim.channels.ros import build
 from uwsim.channels.ros.message_types import resolve
 from uwsim.channels.ros.service_types import SERVICE_TYPES
+from uwsim.simulator.simulator import Simulator
 
 GROUP = "uwsim.channels"
 """Functions that return a vehicle's topics and services. Their parameters are any of GIVEN, by name."""
@@ -82,3 +84,21 @@ def _blaming(entry: str, item: Channel | Service, method: str) -> Callable[..., 
             return found
 
     return called
+
+
+TYPES = {float: "std_msgs/msg/Float64", bool: "std_msgs/msg/Bool", str: "std_msgs/msg/String"}
+
+
+def logged_channels(sim: Simulator, taken: Set[str]) -> list[Channel]:
+    """Return the topics of what has been logged so far. Raises ValueError for a name of another topic."""
+    if both := sim.logged.values.keys() & taken:
+        raise ValueError(f"log '/{min(both)}': the name is taken by a topic of the scenario")
+    return [_channel(name, TYPES[type(value)]) for name, value in sim.logged.values.items()]
+
+
+def _channel(name: str, kind: str) -> Channel:
+    def follow(sim: Simulator, take: Any) -> Any:
+        return sim.logged.listen(name, lambda value: take(build.message(kind, data=value)))
+
+    read = lambda sim: build.message(kind, data=sim.logged.values[name])  # noqa: E731
+    return Channel(name, kind, "out", "a value of the user's own", read=read, delivery=Delivery(True, follow=follow))

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from uwsim.channels.channel import PANEL, Channel, OverLink
 from uwsim.channels.families.estimate import has_estimate
 from uwsim.channels.families.gauges import gauge_sensors, gauges, read_sensors, values_by_name
-from uwsim.channels.families.hold_fields import hold_fields
 from uwsim.channels.ros import build
 from uwsim.channels.ros.own_types import ALL_STOPPED, SENSOR_GAUGES, TELEMETRY
 from uwsim.channels.source import Source
@@ -90,3 +89,25 @@ def _orientation(vehicle: Vehicle, estimate: Navigator | None, *, truth: bool) -
     if estimate is None and not truth:
         return np.full(4, NAN, np.float32)
     return np.asarray((estimate or vehicle).pose.orientation_xyzw, np.float32)
+
+
+def hold_fields(vehicle: Vehicle, estimate: Navigator | None) -> dict[str, Any]:
+    """Return the names of the active holds, their targets, and a note about the last hold that was lost.
+
+    A depth hold keeps a height; its target is shown below the surface, like the depth gauge, as far as it is estimated.
+    """
+    holds = vehicle.holds
+    if holds is None:
+        return {"holds": [], "hold_targets": np.empty(0, np.float32), "hold_note": ""}
+    targets = [_number(name, target, estimate) for name, target in holds.targets.items()]
+    return {"holds": list(holds.targets), "hold_targets": np.array(targets, np.float32), "hold_note": holds.note}
+
+
+def _number(name: str, target: list[float] | None, estimate: Navigator | None) -> float:
+    if target is None:
+        return math.nan
+    if name == "position":
+        return math.nan if estimate is None else math.dist(target, estimate.pose.position_world_m[:2])
+    if name == "depth":
+        return (0.0 if estimate is None else estimate.surface_m[0]) - target[0]
+    return target[0]
