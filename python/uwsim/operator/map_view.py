@@ -13,7 +13,7 @@ import numpy as np
 from websockets.http11 import Request, Response
 
 from uwsim.bridges.doors.conversation import Rates, Share
-from uwsim.bridges.doors.listener import Address, Listener
+from uwsim.bridges.doors.listener import Entrance, Listener
 from uwsim.channels.families.map_changes import Part, in_blocks
 from uwsim.channels.ros import build
 from uwsim.channels.ros.messages import to_plain
@@ -42,7 +42,7 @@ class MapViewer(Framed):
     ) -> None:
         self._files = _files(occupancy, name, voxels_max)
         self._listener: Listener[Any] = Listener(
-            Address(port=port), logging.getLogger("uwsim.map"), places=0, rates=Rates(1, 1), share=Share(0.1),
+            Entrance(port=port), logging.getLogger("uwsim.map"), places=0, rates=Rates(1, 1), share=Share(0.1),
             open_session=_no_session, site=self._answer,
         )  # fmt: skip
         self._listener.start()

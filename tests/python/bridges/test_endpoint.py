@@ -5,19 +5,18 @@ from collections.abc import Callable
 
 import pytest
 
-from uwsim.bridges.a50.plug import A50Options, A50Plug
+from uwsim.bridges.a50.plug import A50Plug
 from uwsim.bridges.doors.endpoint import Endpoint
 from uwsim.bridges.imc.link import parsed
 from uwsim.bridges.mavlink import endpoint as mavlink
 from uwsim.bridges.moos import client as moos
 from uwsim.bridges.nmea import wire as nmea
-from uwsim.bridges.ping.plug import Ping1dOptions, Ping1dPlug
+from uwsim.bridges.ping.plug import Ping1dPlug
 from uwsim.bridges.video import video
 
 PARSERS: dict[str, Callable[[str], Endpoint]] = {
     "nmea": nmea.FORM.parse, "mavlink": mavlink.FORM.parse, "video": video.FORM.parse, "moos": moos.FORM.parse,
-    "imc": parsed, "dvl_a50": lambda text: A50Plug(A50Options(dvl_a50=(text,))).parsed(text),
-    "ping1d": lambda text: Ping1dPlug(Ping1dOptions(ping1d=(text,))).parsed(text),
+    "imc": parsed, "dvl_a50": A50Plug.form.parse, "ping1d": Ping1dPlug.form.parse,
 }  # fmt: skip
 FOUND = {
     "nmea": {"udp": ("127.0.0.1", 10110, "udp", ""), "tcp:0.0.0.0:0": ("0.0.0.0", 0, "tcp", "")},

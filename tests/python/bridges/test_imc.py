@@ -18,6 +18,7 @@ from imc_standin import StandInDune
 from listening_sockets import free_port
 from steered import OPEN_WATER, bay, steered_by, torpedo
 from uwsim import Simulator
+from uwsim.bridges.doors.datagrams import Datagrams
 from uwsim.bridges.doors.endpoint import Endpoint
 from uwsim.bridges.imc.announcer import CONSOLES_MAX, DISCOVERY_PORTS, Announcer
 from uwsim.bridges.imc.link import Identity, ImcLink, parsed
@@ -286,11 +287,11 @@ def test_a_console_is_answered_and_gets_the_vehicle_but_does_not_steer_it() -> N
 def test_no_number_of_announcements_shuts_out_a_console() -> None:
     announcer = Announcer(parsed("announce:127.0.0.1:6001"), Identity(0xD1), "rov", lambda: (0.0, 0.0))
 
-    def announces(system: int, service: socket.socket) -> None:
+    def announces(system: int, service: Datagrams) -> None:
         services = {"sys_name": "ccu", "services": "imc+udp://127.0.0.1:9/"}
         announcer._take(decoded(encoded(Message("Announce", services, system))), ("127.0.0.1", 9), service)
 
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as service:
+    with Datagrams() as service:
         for _ in range(3):
             for system in range(1, 4 * CONSOLES_MAX):
                 announces(system, service)

@@ -13,6 +13,7 @@ pytest.importorskip("pymavlink", reason="needs the extra mavlink")
 from pymavlink.dialects.v20 import ardupilotmega as dialect
 
 from uwsim import Simulator
+from uwsim.bridges.doors.waiting import Waiting
 from uwsim.bridges.mavlink.craft import Craft
 from uwsim.bridges.mavlink.fence import FenceKeeper
 from uwsim.bridges.mavlink.missions import MissionStore
@@ -156,10 +157,10 @@ def test_a_waypoint_above_the_bed_is_there_and_triggers_and_jumps_end_no_survey(
 
 def test_a_picture_is_a_file_and_a_message_with_its_place(sim: Simulator, tmp_path: Path) -> None:
     owner: Any = SimpleNamespace(
-        _craft=SimpleNamespace(output=[]), _autopilot=SimpleNamespace(mav=dialect.MAVLink(None))
+        _craft=SimpleNamespace(output=Waiting(10)), _autopilot=SimpleNamespace(mav=dialect.MAVLink(None))
     )
     MavlinkVehicle._picture_taker(owner, PictureFolder(tmp_path, HOME))(OwnVehicle(sim.rov, sim), 4)
-    (message,) = owner._craft.output
+    (message,) = owner._craft.output.taken()
     assert message.pack(dialect.MAVLink(None)) and (tmp_path / message.file_url).stat().st_size > 1000
     at = HOME.world_m(1e-7 * message.lat, 1e-7 * message.lon, 1e-3 * message.alt)
     np.testing.assert_allclose(at, sim.rov.pose.position_world_m, atol=0.02)

@@ -48,13 +48,7 @@ def works(client):
 
 
 @pytest.mark.parametrize(
-    "damage",
-    [
-        b"\x00" * 1000,
-        b"GET / HTTP/1.1\r\n\r\n",
-        b"GET / HTTP/1.1\r\n" + b"X: y\r\n" * 10_000,
-        b"",
-    ],
+    "damage", [b"\x00" * 1000, b"GET / HTTP/1.1\r\n\r\n", b"GET / HTTP/1.1\r\n" + b"X: y\r\n" * 10_000, b""]
 )
 def test_what_is_no_websocket_is_closed(server, damage):
     with connect(server) as witness, socket.create_connection(("127.0.0.1", server.port)) as stranger:

@@ -15,7 +15,7 @@ from uwsim import _core
 from uwsim.base.quaternions import matrix
 from uwsim.base.texts.json_text import json_object
 from uwsim.bridges.a50.reports import FORMAT, MIRROR, DeadReckoning, Measured, beams, error_m_s
-from uwsim.bridges.doors.line_server import LineServer
+from uwsim.bridges.doors.streams import LineServer
 from uwsim.live import LiveSimulator
 from uwsim.simulator.simulator import Simulator
 from uwsim.simulator.vehicle import Vehicle

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 from uwsim.base.options import Options, option
 from uwsim.bridges.aboard.instrument import InstrumentPlug
 from uwsim.bridges.doors.door import EVERYONE, OWN, Door
+from uwsim.bridges.doors.endpoint import Endpoint, EndpointForm
 
 if TYPE_CHECKING:
     from uwsim.bridges.a50.dvl import A50
-    from uwsim.bridges.doors.endpoint import Endpoint
     from uwsim.live import LiveSimulator
     from uwsim.simulator.vehicle import Vehicle
 
@@ -34,16 +34,11 @@ class A50Plug(InstrumentPlug[A50Options]):
 
     options = A50Options
     title, needed = "DVL A50", "a sensor of kind dvl"
+    form = EndpointForm("dvl_a50", "[INSTRUMENT=][HOST:]PORT", {"": None})
     doors = (
         Door("`--dvl-a50`", "TCP", 1, OWN, "Water Linked's DVL protocol",
              f"{EVERYONE}; no web page; it sets the DVL alone", ("--dvl-a50", "0"), speaks_first=True),
     )  # fmt: skip
-
-    def parsed(self, text: str) -> Endpoint:
-        """See InstrumentPlug."""
-        from uwsim.bridges.doors.endpoint import EndpointForm
-
-        return EndpointForm("dvl_a50", "[INSTRUMENT=][HOST:]PORT", {"": None}).parse(text)
 
     def fitting(self, vehicle: Vehicle) -> list[str]:
         """Return the DVLs."""
@@ -53,9 +48,9 @@ class A50Plug(InstrumentPlug[A50Options]):
         """See InstrumentPlug."""
         from uwsim.bridges.a50.dvl import A50, logger
         from uwsim.bridges.doors.admission import warn_beyond_loopback
-        from uwsim.bridges.doors.line_server import LineServer
+        from uwsim.bridges.doors.streams import LineServer
 
         host, port, *_ = address
         warn_beyond_loopback(host, None, tls=False)
-        server = LineServer(host, port, f"DVL A50 {host}:{port}", logger)
+        server = LineServer((host, port), f"DVL A50 {host}:{port}", logger)
         return A50(live, vehicle, name, server, f"{host}:{server.port}")

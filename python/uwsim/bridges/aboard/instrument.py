@@ -6,7 +6,9 @@ from collections.abc import Iterator
 from contextlib import AbstractContextManager, ExitStack, contextmanager
 from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
+from uwsim.base.extras import need_extra
 from uwsim.base.options import Options
+from uwsim.bridges.doors.endpoint import Endpoint, EndpointForm
 from uwsim.bridges.plug import BridgePlug, Context, Opened
 
 if TYPE_CHECKING:
@@ -20,28 +22,30 @@ OptionsT = TypeVar("OptionsT", bound=Options)
 class InstrumentPlug(BridgePlug[OptionsT]):
     """The devices at the addresses that the option has. Raises ValueError for a wrong address.
 
-    title: the device's name. needed: which instruments it can be, for messages.
+    title: the device's name. needed: which instruments it can be, for messages. form: of its addresses, whose owner is
+    an instrument. module: of the extra that it needs.
     """
 
     needs_live = True
     crosses_link = False
     title: ClassVar[str]
     needed: ClassVar[str]
+    form: ClassVar[EndpointForm]
+    module: ClassVar[str] = ""
 
     def __init__(self, options: OptionsT) -> None:
         super().__init__(options)
         self._switch = str(options.switch)
-        self._addresses = [self.parsed(text) for text in getattr(options, self._switch)]
-
-    def parsed(self, text: str) -> Any:
-        """Return an address, whose owner is an instrument. Raises ValueError."""
-        raise NotImplementedError
+        texts = getattr(options, self._switch)
+        if texts and self.module:
+            need_extra(self.module, f"--{self._switch}")
+        self._addresses = [self.form.parse(text) for text in texts]
 
     def fitting(self, vehicle: Vehicle) -> list[str]:
         """Return the names of a vehicle's instruments that it can be."""
         raise NotImplementedError
 
-    def device(self, live: LiveSimulator, vehicle: str, name: str, address: Any) -> AbstractContextManager[Any]:
+    def device(self, live: LiveSimulator, vehicle: str, name: str, address: Endpoint) -> AbstractContextManager[Any]:
         """Return the device, which has an `address`. Raises OSError."""
         raise NotImplementedError
 

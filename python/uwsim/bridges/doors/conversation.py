@@ -5,7 +5,8 @@ from __future__ import annotations
 import asyncio
 import math
 import time
-from collections.abc import Awaitable, Callable, Iterator
+from collections.abc import Awaitable, Callable, Coroutine, Iterator
+from contextlib import suppress
 from typing import Any, NamedTuple, Protocol
 
 from websockets.asyncio.server import ServerConnection
@@ -124,20 +125,24 @@ async def converse(
     Raises what either direction raised: a client that is no longer sent anything would wait for it in silence.
     """
     share.clients += 1
-    ways = [
-        asyncio.create_task(_read(connection, session, rates, share)),
-        asyncio.create_task(_write(connection, session, wakes)),
-    ]
     try:
-        await asyncio.wait(ways, return_when=asyncio.FIRST_COMPLETED)
+        with suppress(ConnectionClosed):
+            await first_of(_read(connection, session, rates, share), _write(connection, session, wakes))
     finally:
         share.clients -= 1
-        for way in ways:
-            way.cancel()
-        ended = await asyncio.gather(*ways, return_exceptions=True)
-    for error in ended:
-        if isinstance(error, Exception) and not isinstance(error, ConnectionClosed):
-            raise error
+
+
+async def first_of(*ways: Coroutine[Any, Any, None]) -> None:
+    """Run all until one ends, and raise what it raised, of several the first."""
+    tasks = [asyncio.create_task(way) for way in ways]
+    try:
+        done, _ = await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
+        for task in filter(done.__contains__, tasks):
+            task.result()
+    finally:
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
 
 
 async def _read(connection: ServerConnection, session: Session, rates: Rates, share: Share) -> None:

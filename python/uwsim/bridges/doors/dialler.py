@@ -1,4 +1,4 @@
-"""Dialler: a connection to a WebSocket server that is kept, on one thread that reads and writes.
+"""Dialler: a connection to another program that is kept, on one thread that reads and writes.
 
 OpenSSL does not allow two threads on the same connection: about one wss handshake in 4,000 then hangs (CPython 3.11 on
 two busy cores).
@@ -10,9 +10,11 @@ import asyncio
 import socket
 import threading
 from abc import ABC, abstractmethod
+from collections.abc import Iterable
 from contextlib import suppress
+from logging import Logger
 from types import TracebackType
-from typing import Self
+from typing import ClassVar, Generic, Self, TypeVar
 
 from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosed, InvalidHandshake, InvalidURI
@@ -20,14 +22,19 @@ from websockets.uri import parse_uri
 
 from uwsim.bridges.doors.endpoint import ROSBRIDGE_PORT
 from uwsim.bridges.doors.listener import STOP_S, post
+from uwsim.bridges.doors.waiting import Waiting
+from uwsim.bridges.rare_log import RareLog
 
 CONNECT_S, CLOSE_S = 10.0, 1.0
 FIRST_WAIT_S, LONGEST_WAIT_S = 0.25, 10.0
 """The shortest and the longest wait before another attempt to connect."""
+WAITING_MAX = 10_000
+"""Messages that wait to be sent; older ones are dropped."""
 REASONS: dict[type[Exception], str] = {
     ConnectionRefusedError: "connection refused: no server listens there", TimeoutError: "no response",
     socket.gaierror: "unknown host", ConnectionClosed: "the connection has ended",
 }  # fmt: skip
+MessageT = TypeVar("MessageT")
 
 
 def checked_url(url: str) -> str:
@@ -45,12 +52,14 @@ def checked_url(url: str) -> str:
 class Dialler(ABC):
     """A connection that is made again whenever it ends, if `keeps`; otherwise `start` raises OSError without one.
 
-    connected: set by `_converse` once the peer takes what is sent. trouble: why there is no connection; "" while there
-    is one. Raises ValueError for an invalid url.
+    connected: set by `_join`. trouble: why there is no connection; "" while there is one. longest_wait_s: before
+    another attempt. failures: the exceptions that end a connection.
     """
 
-    def __init__(self, url: str, *, keeps: bool, frame_bytes: int, thread: str) -> None:
-        self.url, self._keeps, self._frame_bytes = checked_url(url), keeps, frame_bytes
+    failures: ClassVar[tuple[type[Exception], ...]] = (OSError, ValueError)
+
+    def __init__(self, thread: str, *, keeps: bool = True, longest_wait_s: float = LONGEST_WAIT_S) -> None:
+        self._keeps, self._longest_wait_s = keeps, longest_wait_s
         self.connected, self._settled, self._ready = threading.Event(), threading.Event(), threading.Event()
         self.trouble = ""
         self._thread = threading.Thread(target=lambda: asyncio.run(self._run()), name=thread, daemon=True)
@@ -82,12 +91,12 @@ class Dialler(ABC):
         self.close()
 
     @abstractmethod
-    async def _converse(self, connection: ClientConnection) -> None:
-        """Exchange frames until the connection ends, calling `_join` once the peer takes them. Raises ValueError."""
+    async def _connect(self) -> None:
+        """Connect, and exchange messages until the connection ends; call `_join` once the peer takes them."""
 
     @abstractmethod
     async def _finish(self) -> None:
-        """Send what waits."""
+        """Send what waits, before the connection is closed."""
 
     @abstractmethod
     def _fail(self, error: Exception | None, wait_s: float) -> None:
@@ -123,12 +132,8 @@ class Dialler(ABC):
         while True:
             failure: Exception | None = None
             try:
-                async with connect(
-                    self.url, compression=None, max_size=self._frame_bytes, open_timeout=CONNECT_S,
-                    close_timeout=CLOSE_S,
-                ) as connection:  # fmt: skip
-                    await self._converse(connection)
-            except (OSError, TimeoutError, ConnectionClosed, InvalidHandshake, InvalidURI, ValueError) as error:
+                await self._connect()
+            except self.failures as error:
                 failure = error
             has_joined = self.connected.is_set()
             self.connected.clear()
@@ -139,7 +144,71 @@ class Dialler(ABC):
             if not self._keeps:
                 return
             await asyncio.sleep(wait_s)
-            wait_s = min(2.0 * wait_s, LONGEST_WAIT_S)
+            wait_s = min(2.0 * wait_s, self._longest_wait_s)
+
+
+class WebSocketDialler(Dialler):
+    """A dialler of a WebSocket server. Raises ValueError for an invalid url."""
+
+    failures = (OSError, ValueError, ConnectionClosed, InvalidHandshake, InvalidURI)
+
+    def __init__(self, url: str, *, keeps: bool, frame_bytes: int, thread: str) -> None:
+        super().__init__(thread, keeps=keeps)
+        self.url, self._frame_bytes = checked_url(url), frame_bytes
+
+    @abstractmethod
+    async def _converse(self, connection: ClientConnection) -> None:
+        """Exchange frames until the connection ends, calling `_join` once the peer takes them. Raises ValueError."""
+
+    async def _connect(self) -> None:
+        async with connect(
+            self.url, compression=None, max_size=self._frame_bytes, open_timeout=CONNECT_S, close_timeout=CLOSE_S
+        ) as connection:
+            await self._converse(connection)
+
+
+class QueueDialler(Dialler, Generic[MessageT]):
+    """A dialler of a system that gets messages as they come: those that wait are in a bounded queue.
+
+    where: the peer, as the log names it. failure: the protocol's exception; it ends a connection with a line in the
+    log, as an OSError does.
+    """
+
+    failures = (Exception,)
+    failure: ClassVar[type[Exception]] = OSError
+
+    def __init__(self, where: str, log: Logger, thread: str) -> None:
+        super().__init__(thread, longest_wait_s=1.0)
+        self._where_it_is, self._log, self._rare = where, log, RareLog(log)
+        self._waiting = Waiting[MessageT](WAITING_MAX)
+
+    def _queue(self, messages: Iterable[MessageT]) -> None:
+        """Queue messages, which ends a pause. Does not block; may be called on any thread."""
+        for message in messages:
+            self._waiting.put(message)
+        if self._ready.is_set():
+            post(self._loop, self._wakes.set)
+
+    async def _taken(self, wait_s: float) -> list[MessageT]:
+        """Return the messages that wait, which then no longer do, after waiting for some for wait_s at most."""
+        with suppress(TimeoutError):
+            async with asyncio.timeout(0.0 if self._waiting else wait_s):
+                await self._wakes.wait()
+        self._wakes.clear()
+        return self._waiting.taken()
+
+    async def _finish(self) -> None:
+        """See Dialler; what waits is lost."""
+
+    def _fail(self, error: Exception | None, wait_s: float) -> None:
+        """See Dialler; what waits is lost."""
+        self._waiting.clear()
+        if isinstance(error, OSError):
+            self._rare.warning(f"{self._where_it_is}: {error.strerror or error}; trying again")
+        elif isinstance(error, self.failure):
+            self._rare.warning(f"{self._where_it_is}: {error}")
+        else:  # of what is called with messages
+            self._log.error("%s: a message could not be handled", self._where_it_is, exc_info=error)
 
 
 def _why(error: Exception | None) -> str:

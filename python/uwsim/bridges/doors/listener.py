@@ -34,8 +34,8 @@ STOP_S = 5.0
 WRITE_LIMIT = 1 << 16  # bytes in a connection's write buffer; once it is full, the session queues fill up
 
 
-class Address(NamedTuple):
-    """A server's address and access rules; see Admission and tls_context. port: 0 chooses a free one."""
+class Entrance(NamedTuple):
+    """Where a server listens, and whom it admits; see Admission and tls_context. port: 0 chooses a free one."""
 
     host: str = "127.0.0.1"
     port: int = 0
@@ -56,7 +56,7 @@ class Listener(Generic[S]):
 
     def __init__(
         self,
-        address: Address,
+        entrance: Entrance,
         log: Logger,
         *,
         places: int,
@@ -67,11 +67,11 @@ class Listener(Generic[S]):
         site: Site | None = None,
         **options: Any,
     ) -> None:
-        if not 0 <= address.port <= 65535:
-            raise ValueError(f"port = {address.port}: must be in [0, 65535]")
-        self._host, self._wanted_port = address.host, address.port
-        self._admission = Admission(address.host, pages=address.origins, token=address.token, places=places)
-        self._tls = tls_context(address.certfile, address.keyfile)
+        if not 0 <= entrance.port <= 65535:
+            raise ValueError(f"port = {entrance.port}: must be in [0, 65535]")
+        self._host, self._wanted_port = entrance.host, entrance.port
+        self._admission = Admission(entrance.host, pages=entrance.origins, token=entrance.token, places=places)
+        self._tls = tls_context(entrance.certfile, entrance.keyfile)
         self._log = log
         self._rare = RareLog(log)
         self._places, self._rates, self._share = places, rates, share

@@ -85,6 +85,11 @@ class Waiting(Generic[T]):
             self._room.give(size)
             return entry
 
+    def taken(self, limit: float = math.inf) -> list[T]:
+        """Remove and return the oldest entries, at most `limit`."""
+        with self._room.lock:
+            return [entry for _ in range(int(min(limit, len(self)))) if (entry := self.take()) is not None]
+
     def drop(self) -> None:
         """Remove the oldest entry, and count it."""
         self.take()

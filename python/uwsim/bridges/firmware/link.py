@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import os
-import socket
 from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
@@ -16,6 +15,7 @@ import numpy as np
 from uwsim.base.agenda import NEVER, Rank, next_tick
 from uwsim.bridges.ardusub.ardusub import ArduSub
 from uwsim.bridges.ardusub.auxiliary import CENTRE_US
+from uwsim.bridges.doors.datagrams import ALL, Address, Datagrams
 from uwsim.bridges.firmware.kept_parameters import KeptParameters
 from uwsim.bridges.mavlink.telemetry import odometry
 from uwsim.mapping.files.georeference import Home
@@ -53,12 +53,9 @@ class FirmwareLink:
         self._home, self._system = home, system
         self._mav: Any = dialect.MAVLink(None, srcSystem=system, srcComponent=VISUAL_ODOMETRY)
         self._mav.robust_parsing = True
-        self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        self._socket.setblocking(False)
-        self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, BUFFER_BYTES)
-        self._socket.bind(("127.0.0.1", 0))
-        self.address = f"127.0.0.1:{self._socket.getsockname()[1]}"
-        self._peer: tuple[str, int] | None = None
+        self._datagrams = Datagrams(("127.0.0.1", 0), buffer_bytes=BUFFER_BYTES)
+        self.address = f"127.0.0.1:{self._datagrams.port}"
+        self._peer: Address | None = None
         self._ardusub: ArduSub | None = None
         self._pid = 0
         self._step_ns, self._resets, self._booted_ns = 0, 0, 0
@@ -81,7 +78,7 @@ class FirmwareLink:
         """Send nothing more."""
         if self._ardusub is not None:
             self._ardusub.simulator.agenda.remove(self)
-        self._socket.close()
+        self._datagrams.close()
 
     def _plan(self, tick: int) -> None:
         self.due_tick = next_tick(tick, PERIOD_NS, self._step_ns)
@@ -133,19 +130,16 @@ class FirmwareLink:
             self._send(self._mav.param_set_encode(self._system, 1, name, value, REAL32))
 
     def _receive(self) -> None:
-        with suppress(BlockingIOError, ConnectionError):
-            while True:
-                data, sender = self._socket.recvfrom(4096)
-                self._peer = self._peer or (sender if has_udp_port(self._pid, sender[1]) else None)
-                if sender == self._peer and not (self.has_origin and self._kept.is_done):  # the rest is of no interest
-                    for message in self._mav.parse_buffer(data) or ():
-                        self.has_origin |= message.get_type() == "GPS_GLOBAL_ORIGIN"
-                        self._kept.note(message)
+        for data, sender in self._datagrams.received(ALL):
+            self._peer = self._peer or (sender if has_udp_port(self._pid, sender[1]) else None)
+            if sender == self._peer and not (self.has_origin and self._kept.is_done):  # the rest is of no interest
+                for message in self._mav.parse_buffer(data) or ():
+                    self.has_origin |= message.get_type() == "GPS_GLOBAL_ORIGIN"
+                    self._kept.note(message)
 
     def _send(self, message: Any) -> None:
         assert self._peer is not None
-        with suppress(OSError):  # a firmware that has ended; a full buffer
-            self._socket.sendto(message.pack(self._mav), self._peer)
+        self._datagrams.send(message.pack(self._mav), self._peer)
 
 
 def has_udp_port(session: int, port: int) -> bool:

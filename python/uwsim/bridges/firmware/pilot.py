@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import socket
 from collections.abc import Callable
-from contextlib import suppress
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
 
+from uwsim.bridges.doors.datagrams import ALL, Address, Datagrams
 from uwsim.bridges.firmware.firmware import FirmwareError
 from uwsim.bridges.mavlink.earth import NED_FROM_ENU, Vector
 
@@ -45,12 +44,9 @@ class FirmwarePilot:
         self.ardusub, self.sim, self._system = ardusub, ardusub.simulator, system
         self._mav: Any = dialect.MAVLink(None, srcSystem=255, srcComponent=190)
         self._mav.robust_parsing = True
-        self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        self._socket.setblocking(False)
-        self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, BUFFER_BYTES)
-        self._socket.bind(("127.0.0.1", 0))
-        self.address = f"127.0.0.1:{self._socket.getsockname()[1]}"
-        self._peer: tuple[str, int] | None = None
+        self._datagrams = Datagrams(("127.0.0.1", 0), buffer_bytes=BUFFER_BYTES)
+        self.address = f"127.0.0.1:{self._datagrams.port}"
+        self._peer: Address | None = None
         self.texts: list[str] = []
         self.messages: dict[str, Any] = {}
         self.variances: list[float] = []
@@ -65,7 +61,7 @@ class FirmwarePilot:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         """Close the socket."""
-        self._socket.close()
+        self._datagrams.close()
 
     @property
     def armed(self) -> bool:
@@ -104,8 +100,7 @@ class FirmwarePilot:
         """Send a message before the next frame."""
         self.ardusub.wait()
         if self._peer is not None:
-            with suppress(OSError):
-                self._socket.sendto(message.pack(self._mav), self._peer)
+            self._datagrams.send(message.pack(self._mav), self._peer)
 
     def command(self, command: int, *values: float) -> None:
         """Send a command; the next `fly` delivers its effect."""
@@ -142,12 +137,10 @@ class FirmwarePilot:
         return f": {self.texts[-1]}" if self.texts else ""
 
     def _receive(self) -> None:
-        with suppress(BlockingIOError, ConnectionError):
-            while True:
-                data, sender = self._socket.recvfrom(4096)
-                self._peer = self._peer or sender
-                for message in (self._mav.parse_buffer(data) or ()) if sender == self._peer else ():
-                    self._take(message)
+        for data, sender in self._datagrams.received(ALL):
+            self._peer = self._peer or sender
+            for message in (self._mav.parse_buffer(data) or ()) if sender == self._peer else ():
+                self._take(message)
 
     def _take(self, message: Any) -> None:
         kind = message.get_type()

@@ -14,7 +14,7 @@ from websockets.typing import Subprotocol
 from uwsim.bridges.bridge import Bridge
 from uwsim.bridges.doors.connection import HeardConnection
 from uwsim.bridges.doors.conversation import Rates, Share
-from uwsim.bridges.doors.listener import Address, Listener, post
+from uwsim.bridges.doors.listener import Entrance, Listener, post
 from uwsim.bridges.doors.waiting import Room
 from uwsim.bridges.foxglove import protocol
 from uwsim.bridges.foxglove.offers import Offers
@@ -77,7 +77,7 @@ class FoxgloveServer(Bridge):
         origin_m = checked_origin(origin)
         super().__init__("foxglove", live, channels, services, feed)
         self._listener: Listener[Session] = Listener(
-            Address(host, port, origins, token, certfile, keyfile),
+            Entrance(host, port, origins, token, certfile, keyfile),
             self.log,
             places=CLIENTS_MAX,
             rates=RATES,

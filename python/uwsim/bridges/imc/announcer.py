@@ -8,15 +8,14 @@ console that announces itself or sends a message to the service is answered at o
 from __future__ import annotations
 
 import re
-import selectors
-import socket
-import struct
 import time
 from collections.abc import Callable, Iterable
-from contextlib import ExitStack, suppress
+from contextlib import suppress
 from typing import Any
 
-from uwsim.bridges.aboard.kept_connection import DATAGRAMS_MAX, READ_BYTES, KeptConnection
+from uwsim.bridges.doors.conversation import first_of
+from uwsim.bridges.doors.datagrams import Address, Datagrams
+from uwsim.bridges.doors.dialler import QueueDialler
 from uwsim.bridges.doors.endpoint import Endpoint
 from uwsim.bridges.doors.places import Places
 from uwsim.bridges.imc.link import HEARTBEAT_S, POLL_S, QUERY, REPORT, Identity, logger
@@ -29,10 +28,9 @@ ANNOUNCE_S, LOST_S = 10.0, 30.0
 CONSOLES_MAX = 16
 """If there are more, the one that was silent longest goes."""
 UNDERWATER_VEHICLE = 2
-Console = tuple[str, int]
 
 
-class Announcer(KeptConnection[Message]):
+class Announcer(QueueDialler[Message]):
     """Announces a vehicle, and sends what is published to every console that is there.
 
     identity: with a system number of its own. where: returns latitude and longitude [rad]. Consoles only listen: what
@@ -46,7 +44,7 @@ class Announcer(KeptConnection[Message]):
     ) -> None:
         super().__init__(str(address), logger, "uwsim-imc")
         self.address, self.identity, self._name, self._where = address, identity, name, where
-        self._consoles: dict[int, Console] = {}
+        self._consoles: dict[int, Address] = {}
         self._places: Places[int] = Places(self._consoles.pop, CONSOLES_MAX, LOST_S)
         if not self._is_local:
             logger.warning("IMC at %s, beyond this machine, in plain text", address)
@@ -64,61 +62,44 @@ class Announcer(KeptConnection[Message]):
     def _message(self, label: str, name: str, content: dict[str, Any]) -> Message:
         return Message(name, content, self.identity.system, self.identity.entity(label), time.time())
 
-    def _converse(self) -> None:
-        with ExitStack() as stack:
-            service = stack.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM))
-            service.setsockopt(socket.SOL_SOCKET, socket.SO_BROADCAST, 1)
-            service.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, socket.inet_aton(self.address.host))
-            service.bind((self.address.host, self.address.port))
-            self._talk(service, stack.enter_context(self._discovery()))
+    async def _connect(self) -> None:
+        with Datagrams((self.address.host, self.address.port)) as service, self._discovery() as discovery:
+            service.speak_from(self.address.host)
+            await first_of(self._speak(service), self._listen(service, service), self._listen(discovery, service))
 
     @property
     def _is_local(self) -> bool:
         return self.address.host.startswith("127.")
 
-    def _discovery(self) -> socket.socket:
+    def _discovery(self) -> Datagrams:
         """Return the socket on which announcements arrive, on the first free port. Raises OSError."""
-        found = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         for port in DISCOVERY_PORTS:
             with suppress(OSError):
-                found.bind((self.address.host if self._is_local else "", port))
+                found = Datagrams((self.address.host if self._is_local else "", port))
                 break
         else:
-            found.close()
             raise OSError(f"ports {DISCOVERY_PORTS[0]} to {DISCOVERY_PORTS[-1]} are in use")
         if not self._is_local:
-            member = struct.pack("4s4s", socket.inet_aton(GROUP), socket.inet_aton(self.address.host))
-            with suppress(OSError):  # no multicast on this network
-                found.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, member)
+            found.join(GROUP, self.address.host)
         return found
 
-    def _talk(self, service: socket.socket, discovery: socket.socket) -> None:
-        """Exchange messages until closed. Raises OSError."""
+    async def _speak(self, service: Datagrams) -> None:
         announced_s = beat_s = -ANNOUNCE_S
-        with selectors.DefaultSelector() as selector:
-            for each in (service, discovery, self._woken):
-                each.setblocking(False)
-                selector.register(each, selectors.EVENT_READ)
-            while not self._is_closed:
-                now_s = time.monotonic()
-                if now_s - announced_s >= ANNOUNCE_S:
-                    announced_s = now_s
-                    self._announce(service, ("127.0.0.1",) if self._is_local else (GROUP, BROADCAST, "127.0.0.1"))
-                if now_s - beat_s >= HEARTBEAT_S:
-                    beat_s = now_s
-                    self.publish([("uwsim", "Heartbeat", {})])
-                self._places.sweep()
-                packets = [encoded(each) for each in self._taken()]
-                for there in self._consoles.values():
-                    for packet in packets:
-                        _send(service, packet, there)
-                for key, _ in selector.select(POLL_S):
-                    if key.fileobj is self._woken:
-                        self._woken.recv(READ_BYTES)
-                    else:
-                        self._receive(key.fileobj, service)
+        while True:
+            now_s = time.monotonic()
+            if now_s - announced_s >= ANNOUNCE_S:
+                announced_s = now_s
+                self._announce(service, ("127.0.0.1",) if self._is_local else (GROUP, BROADCAST, "127.0.0.1"))
+            if now_s - beat_s >= HEARTBEAT_S:
+                beat_s = now_s
+                self.publish([("uwsim", "Heartbeat", {})])
+            self._places.sweep()
+            packets = [encoded(each) for each in await self._taken(POLL_S)]
+            for there in self._consoles.values():
+                for packet in packets:
+                    service.send(packet, there)
 
-    def _announce(self, service: socket.socket, hosts: Iterable[str]) -> None:
+    def _announce(self, service: Datagrams, hosts: Iterable[str]) -> None:
         latitude, longitude = self._where()
         packet = encoded(self._message("uwsim", "Announce", {
             "sys_name": self._name, "sys_type": UNDERWATER_VEHICLE, "owner": NO_SYSTEM, "lat": latitude,
@@ -126,21 +107,20 @@ class Announcer(KeptConnection[Message]):
         }))  # fmt: skip
         for host in hosts:
             for port in DISCOVERY_PORTS:
-                _send(service, packet, (host, port))
+                service.send(packet, (host, port))
 
-    def _receive(self, source: Any, service: socket.socket) -> None:
-        with suppress(BlockingIOError):
-            for _ in range(DATAGRAMS_MAX):
-                data, there = source.recvfrom(READ_BYTES)
-                try:
-                    message = decoded(data)
-                except ImcError as error:
-                    self._rare.warning(f"{self.address}: {error}")
-                    continue
-                if message.source not in (self.identity.system, NO_SYSTEM):
-                    self._take(message, there, service)
+    async def _listen(self, source: Datagrams, service: Datagrams) -> None:
+        while True:
+            data, there = await source.read()
+            try:
+                message = decoded(data)
+            except ImcError as error:
+                self._rare.warning(f"{self.address}: {error}")
+                continue
+            if message.source not in (self.identity.system, NO_SYSTEM):
+                self._take(message, there, service)
 
-    def _take(self, message: Message, there: Console, service: socket.socket) -> None:
+    def _take(self, message: Message, there: Address, service: Datagrams) -> None:
         is_new = message.source not in self._consoles
         if message.name == "Announce":
             found = re.findall(r"imc\+udp://([\d.]+):(\d{1,5})/", message.content["services"])
@@ -157,9 +137,4 @@ class Announcer(KeptConnection[Message]):
             self._announce(service, [there[0]])
         if message.name == "EntityList" and message.content["op"] == QUERY:
             answer = self._message("uwsim", "EntityList", {"op": REPORT, "list": self.identity.list})
-            self._waiting.put(answer._replace(destination=message.source, to_entity=UNKNOWN_ENTITY))
-
-
-def _send(service: socket.socket, packet: bytes, there: Console) -> None:
-    with suppress(OSError):  # no program listens there
-        service.sendto(packet, there)
+            self._queue([answer._replace(destination=message.source, to_entity=UNKNOWN_ENTITY)])

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import logging
 import re
-import socket
 import time
 from collections.abc import Callable, Iterable
+from contextlib import AsyncExitStack
 from typing import Any
 
-from uwsim.bridges.aboard.kept_connection import CONNECT_S, Datagrams, KeptConnection, Stream
+from uwsim.bridges.doors.conversation import first_of
+from uwsim.bridges.doors.datagrams import Datagrams, resolved
+from uwsim.bridges.doors.dialler import QueueDialler
 from uwsim.bridges.doors.endpoint import Endpoint, EndpointForm
+from uwsim.bridges.doors.streams import Stream, stream_to
 from uwsim.bridges.imc.wire import NO_SYSTEM, UNKNOWN_ENTITY, ImcError, Message, PacketReader, Sent, decoded, encoded
 
 TCP_PORT, LISTEN_PORT = 6002, 6001
@@ -72,7 +75,7 @@ class Identity:
         return ";".join(f"{label}={number}" for label, number in self._own.items())
 
 
-class ImcLink(KeptConnection[Message]):
+class ImcLink(QueueDialler[Message]):
     """A connection with a heartbeat, which answers requests for our entities.
 
     received: called on its thread with the messages of each packet or read. met: called on its thread with the
@@ -93,8 +96,12 @@ class ImcLink(KeptConnection[Message]):
         super().__init__(str(address), logger, "uwsim-imc")
         self.address, self.identity = address, identity
         self._received, self._met, self._listen_port = received, met, listen_port
-        self.is_connected = False
         self._is_met = False
+
+    @property
+    def is_connected(self) -> bool:
+        """True while there is a connection."""
+        return self.connected.is_set()
 
     def publish(self, said: Iterable[Sent], to: int = NO_SYSTEM) -> None:
         """Queue messages of entities, all of the present time. Does not block; may be called on any thread.
@@ -108,40 +115,41 @@ class ImcLink(KeptConnection[Message]):
                 for label, name, content in said
             )
 
-    def _forget(self) -> None:
-        self.is_connected = self._is_met = False
+    def _fail(self, error: Exception | None, wait_s: float) -> None:
+        self._is_met = False
+        super()._fail(error, wait_s)
 
-    def _connected(self) -> socket.socket:
-        where = (self.address.host, self.address.port)
-        if self.address.kind == "tcp":
-            connection = socket.create_connection(where, CONNECT_S)
-            connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-            return connection
-        connection = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        try:
-            there = socket.getaddrinfo(*where, socket.AF_INET)[0][4]
-            connection.bind(("127.0.0.1" if str(there[0]).startswith("127.") else "", self._listen_port))
-            connection.connect(there)  # datagrams from other places are not received
-        except OSError:
-            connection.close()
-            raise
-        return connection
+    async def _connect(self) -> None:
+        host, port, kind, _ = self.address
+        async with AsyncExitStack() as stack:
+            way: Stream | Datagrams
+            if kind == "tcp":
+                way = await stack.enter_async_context(stream_to(host, port))
+            else:
+                there = resolved(host, port)
+                here = "127.0.0.1" if there[0].startswith("127.") else ""
+                way = stack.enter_context(Datagrams((here, self._listen_port), to=there))
+            self._join()
+            self._queue([self._of("EntityList", {"op": QUERY})])
+            await first_of(self._listen(way), self._speak(way))
 
-    def _converse(self) -> None:
-        is_tcp = self.address.kind == "tcp"
-        reader, beat_s = PacketReader(), 0.0
-        with self._connected() as connection, (Stream if is_tcp else Datagrams)(connection, self._woken) as stream:
-            self.is_connected = True
-            self._waiting.put(self._of("EntityList", {"op": QUERY}))
-            while not self._is_closed:
-                messages = self._taken()
-                if time.monotonic() - beat_s > HEARTBEAT_S:
-                    beat_s = time.monotonic()
-                    messages.append(self._of("Heartbeat", {}))
-                stream.send(map(encoded, messages))
-                stream.wait(POLL_S)
-                for data in stream.received():
-                    self._take(list(reader.read(data)) if is_tcp else self._datagram(data))
+    async def _speak(self, way: Stream | Datagrams) -> None:
+        beat_s = 0.0
+        while True:
+            messages = await self._taken(POLL_S)
+            if (now_s := time.monotonic()) - beat_s > HEARTBEAT_S:
+                beat_s = now_s
+                messages.append(self._of("Heartbeat", {}))
+            for each in messages:
+                way.send(encoded(each))
+
+    async def _listen(self, way: Stream | Datagrams) -> None:
+        reader = PacketReader()
+        while True:
+            if isinstance(way, Stream):
+                self._take(list(reader.read(await way.read())))
+            else:
+                self._take(self._datagram((await way.read())[0]))
 
     def _datagram(self, data: bytes) -> list[Message]:
         try:
@@ -158,7 +166,7 @@ class ImcLink(KeptConnection[Message]):
             is_ours = not self.identity.is_part and each.destination in (NO_SYSTEM, self.identity.system)
             if each.name == "EntityList" and each.content["op"] == QUERY and is_ours:
                 answer = self._of("EntityList", {"op": REPORT, "list": self.identity.list})
-                self._waiting.put(answer._replace(destination=each.source, to_entity=each.entity))
+                self._queue([answer._replace(destination=each.source, to_entity=each.entity)])
         if not self._is_met:
             self._is_met = True
             self._met(messages[0])

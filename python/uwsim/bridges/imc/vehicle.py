@@ -93,13 +93,13 @@ class ImcVehicle:
         self._subscription = live.every(1.0 / settings.rate_hz, self._read, self.link.publish)
 
     def __enter__(self) -> ImcVehicle:
-        self.link.__enter__()
+        self.link.start()
         return self
 
     def __exit__(self, *_: object) -> None:
         """Leave."""
         self._subscription.cancel()
-        self.link.__exit__()
+        self.link.close()
 
     def take_ping(self, reading: Reading) -> None:
         """Publish a ping of the sonar, a sensor_msgs/LaserScan. Does not block."""

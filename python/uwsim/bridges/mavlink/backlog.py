@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Callable, Iterable
 from typing import Any
 
-from uwsim.bridges.mavlink.endpoint import Peer
+from uwsim.bridges.doors.datagrams import Address
+from uwsim.bridges.doors.waiting import Waiting
 
 TERMINATE, ARM = 185, 400  # MAV_CMD
 WHOLE_SYSTEM, AUTOPILOT = 0, 1  # target components
@@ -21,7 +21,7 @@ FLIGHT_MESSAGES = (
     "MISSION_SET_CURRENT",
 )  # fmt: skip
 
-Received = tuple[Peer, Any]
+Received = tuple[Address, Any]
 
 
 def is_stop(message: Any) -> bool:
@@ -47,11 +47,11 @@ class Backlog:
     peer.
     """
 
-    def __init__(self, stop: Callable[[Any], object], drop: Callable[[Peer, Any], object]) -> None:
+    def __init__(self, stop: Callable[[Any], object], drop: Callable[[Address, Any], object]) -> None:
         self._stop, self._drop = stop, drop
-        self._stops: dict[tuple[int, Peer], Any] = {}  # the same stop of the same peer is handled once
-        self._sticks: dict[Peer, deque[Any]] = {}
-        self._waiting: dict[Peer, deque[Any]] = {}  # the peer whose turn it is comes first
+        self._stops: dict[tuple[int, Address], Any] = {}  # the same stop of the same peer is handled once
+        self._sticks: dict[Address, Waiting[Any]] = {}
+        self._waiting: dict[Address, Waiting[Any]] = {}  # the peer whose turn it is comes first
 
     def __bool__(self) -> bool:
         return bool(self._stops or self._sticks or self._waiting)
@@ -65,7 +65,7 @@ class Backlog:
                     self._stop(message)
                 self._stops.setdefault((message.command, peer), message)
             elif message.get_type() in STICKS:
-                self._sticks.setdefault(peer, deque(maxlen=STICKS_MAX)).append(message)
+                self._sticks.setdefault(peer, Waiting(STICKS_MAX)).put(message)
             else:
                 self._queue(peer, message)
 
@@ -78,27 +78,23 @@ class Backlog:
             return _next_in_turn(self._sticks)
         return _next_in_turn(self._waiting) if self._waiting and not only_urgent else None
 
-    def _queue(self, peer: Peer, message: Any) -> None:
-        waiting = self._waiting.setdefault(peer, deque())
-        if len(waiting) < WAITING_MAX:
-            waiting.append(message)
-        else:
+    def _queue(self, peer: Address, message: Any) -> None:
+        if not self._waiting.setdefault(peer, Waiting(WAITING_MAX)).offer(message):
             self._drop(peer, message)
 
     def _end_what_steers(self) -> None:
         for peer, waiting in list(self._waiting.items()):
-            for message in filter(steers, waiting):
-                self._drop(peer, message)
-            self._waiting[peer] = deque(message for message in waiting if not steers(message))
-            if not self._waiting[peer]:
+            for message in waiting.taken():
+                self._drop(peer, message) if steers(message) else waiting.offer(message)
+            if not waiting:
                 del self._waiting[peer]
 
 
-def _next_in_turn(waiting: dict[Peer, deque[Any]]) -> Received:
+def _next_in_turn(waiting: dict[Address, Waiting[Any]]) -> Received:
     """Remove and return the next message of the first peer, which is last in turn then."""
     peer = next(iter(waiting))
     messages = waiting.pop(peer)
-    message = messages.popleft()
+    message = messages.take()
     if messages:
         waiting[peer] = messages
     return peer, message

@@ -7,7 +7,8 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
-from uwsim.bridges.mavlink.endpoint import Peer, Wire
+from uwsim.bridges.doors.datagrams import Address
+from uwsim.bridges.mavlink.endpoint import Wire
 
 SYSTEM = 1
 DONE, DENIED, UNSUPPORTED, FAILED = 0, 2, 3, 4  # MAV_RESULT
@@ -37,9 +38,9 @@ class Component:
         self.number = number
         self.mav = dialect.MAVLink(None, srcSystem=SYSTEM, srcComponent=number)
         self._wire = wire
-        self._sent: dict[Peer, int] = {}
+        self._sent: dict[Address, int] = {}
 
-    def send(self, message: Any, peer: Peer | None = None) -> None:
+    def send(self, message: Any, peer: Address | None = None) -> None:
         """Send a message to one peer, or to all."""
         for each in self._wire.peers if peer is None else [peer]:
             self.mav.seq = self._sent.pop(each, 0)
@@ -130,22 +131,22 @@ class Commands:
         wanted = message.param1
         return math.isfinite(wanted) and any(answer(int(wanted), 0.0) is not None for answer in self._answers)
 
-    def on_command_long(self, peer: Peer, message: Any) -> None:
+    def on_command_long(self, peer: Address, message: Any) -> None:
         """Execute a command, and acknowledge it."""
         values = tuple(getattr(message, f"param{k}") for k in range(1, 8))
         self._obey(peer, Given(message.command, values, _sender(message)))
 
-    def on_command_int(self, peer: Peer, message: Any) -> None:
+    def on_command_int(self, peer: Address, message: Any) -> None:
         """Execute a command whose fifth and sixth parameters are integers, and acknowledge it."""
         values = (*(getattr(message, f"param{k}") for k in range(1, 5)), message.x, message.y, message.z)
         self._obey(peer, Given(message.command, values, _sender(message), frame=message.frame))
 
-    def on_set_mode(self, peer: Peer, message: Any) -> None:
+    def on_set_mode(self, peer: Address, message: Any) -> None:
         """Change the mode as the command DO_SET_MODE, which succeeds this message, and acknowledge it."""
         values = (message.base_mode, message.custom_mode, *[0.0] * 5)
         self._obey(peer, Given(DO_SET_MODE, values, _sender(message)), SET_MODE)
 
-    def _obey(self, peer: Peer, given: Given, acknowledged: int | None = None) -> None:
+    def _obey(self, peer: Address, given: Given, acknowledged: int | None = None) -> None:
         """Execute a command, and acknowledge it, by default under its own number."""
         obey = self._obeys.get(given.number)
         try:

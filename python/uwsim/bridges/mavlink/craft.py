@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from collections import deque
 from collections.abc import Callable
 from concurrent.futures import Future, wait
 from dataclasses import dataclass, field
@@ -13,6 +12,7 @@ import numpy as np
 
 from uwsim.base.commands import command_named
 from uwsim.bridges.actions import Action
+from uwsim.bridges.doors.waiting import Waiting
 from uwsim.bridges.mavlink.component import SendText
 from uwsim.bridges.mavlink.earth import Vector
 from uwsim.bridges.mavlink.state import State
@@ -44,7 +44,7 @@ class Craft:
     action: Action | None
     home: Place
     send_text: SendText
-    output: deque[Any] = field(default_factory=lambda: deque(maxlen=1000))
+    output: Waiting[Any] = field(default_factory=lambda: Waiting(1000))
     state: State | None = None
     meanwhile: Callable[[], object] = lambda: None
     interruptions: int = 0

@@ -12,9 +12,9 @@ import numpy as np
 
 from uwsim.bridges.actions import SUCCEEDED, Goal
 from uwsim.bridges.actions.action import Plan, Route
+from uwsim.bridges.doors.datagrams import Address
 from uwsim.bridges.mavlink.component import DONE, INFO_TEXT, Given, Obey
 from uwsim.bridges.mavlink.craft import Craft
-from uwsim.bridges.mavlink.endpoint import Peer
 from uwsim.bridges.mavlink.missions import COMPLETE, PAUSED, MissionStore
 from uwsim.bridges.mavlink.modes import (
     ALT_HOLD,
@@ -99,7 +99,7 @@ class Flight:
         self._set_current(given.integer(1, 0, max(len(self._mission.items) - 1, 0)))
         return DONE
 
-    def on_mission_set_current(self, peer: Peer, message: Any) -> None:
+    def on_mission_set_current(self, peer: Address, message: Any) -> None:
         """Fly an item of the mission next: at once in AUTO, else once it begins."""
         self._set_current(message.seq)
 
@@ -144,7 +144,7 @@ class Flight:
         if craft.action is not None:  # the latest reading may be from before the undocking, which moves the vehicle
             mover = vehicle if craft.action.uses_truth else vehicle.start_navigation()
             craft.launch_world_m = mover.pose.position_world_m * np.array([1.0, 1.0, 0.0])
-            craft.output.append(place(self._mission.mav, craft))
+            craft.output.put(place(self._mission.mav, craft))
         if self._kept != MANUAL:
             try:
                 self._begin(self._kept, None) if self._kept not in HOLDS_OF else self.set_mode(self._kept)

@@ -7,9 +7,9 @@ import time
 from collections.abc import Iterable, Mapping
 from typing import Any
 
+from uwsim.bridges.doors.datagrams import Address
 from uwsim.bridges.mavlink.component import DENIED, DONE, UNSUPPORTED, Component, Given, Obey
 from uwsim.bridges.mavlink.craft import Craft
-from uwsim.bridges.mavlink.endpoint import Peer
 from uwsim.bridges.mavlink.state import State
 from uwsim.bridges.mavlink.telemetry import EXTRA3, Kind
 
@@ -177,14 +177,14 @@ class Gimbal:
         pitch, yaw, pitch_rate, yaw_rate = (math.radians(given.real(index, may_be_nan=True)) for index in (1, 2, 3, 4))
         return self._set(given.sender, given.integer(5, 0, 2**32 - 1), (pitch, yaw), (pitch_rate, yaw_rate))
 
-    def on_gimbal_manager_set_pitchyaw(self, peer: Peer, message: Any) -> None:
+    def on_gimbal_manager_set_pitchyaw(self, peer: Address, message: Any) -> None:
         """Turn to angles or at rates. The message is not acknowledged."""
         if self.camera and message.gimbal_device_id in (0, DEVICE):
             sender = message.get_srcSystem(), message.get_srcComponent()
             angles, rates = (message.pitch, message.yaw), (message.pitch_rate, message.yaw_rate)
             self._set(sender, message.flags, angles, rates)
 
-    def on_gimbal_manager_set_attitude(self, peer: Peer, message: Any) -> None:
+    def on_gimbal_manager_set_attitude(self, peer: Address, message: Any) -> None:
         """Turn to the attitude in a quaternion, or at rates. The message is not acknowledged."""
         if not self.camera or message.gimbal_device_id not in (0, DEVICE):
             return

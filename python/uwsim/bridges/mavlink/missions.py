@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import time
-from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from uwsim.bridges.doors.datagrams import Address
+from uwsim.bridges.doors.waiting import Waiting
 from uwsim.bridges.mavlink.component import SendText
-from uwsim.bridges.mavlink.endpoint import Peer
 from uwsim.bridges.mavlink.fence import FenceKeeper
 from uwsim.bridges.mavlink.telemetry import EXTENDED_STATUS, Kind
 from uwsim.missions.items import INVALID_X, ITEMS_MAX, RefusedItemError
@@ -34,7 +34,7 @@ class _Upload:
     """
 
     kind: int
-    peer: Peer
+    peer: Address
     asker: tuple[int, int]
     count: int
     heard_s: float
@@ -60,7 +60,7 @@ class MissionStore:
         mav: Any,
         send: Callable[..., None],
         send_text: SendText,
-        output: deque[Any],
+        output: Waiting[Any],
         check: Callable[[Any], Any],
         fence: FenceKeeper,
     ) -> None:
@@ -84,11 +84,11 @@ class MissionStore:
     def begin(self, number: int) -> None:
         """Report that an item is flown now, from any thread."""
         self.current, self.state = number, ACTIVE
-        self._output.append(self._progress)
+        self._output.put(self._progress)
 
     def reached(self, number: int) -> None:
         """Report that an item has been flown, from any thread."""
-        self._output.append(self.mav.mission_item_reached_encode(number))
+        self._output.put(self.mav.mission_item_reached_encode(number))
 
     def end(self, state: int) -> None:
         """Report that the mission is no longer flown: PAUSED or COMPLETE, from any thread."""
@@ -96,14 +96,14 @@ class MissionStore:
             self.state = state
             if state == COMPLETE:
                 self.current = 1
-            self._output.append(self._progress)
+            self._output.put(self._progress)
 
     def choose(self, number: int) -> None:
         """Make an item the next one that is flown; 0: the first. Raises ValueError."""
         if number and number >= len(self.items):
             raise ValueError(f"mission item {number}: there are {len(self.items)} items, numbered from 0")
         self.current = min(max(number, 1), len(self.items))
-        self._output.append(self._progress)
+        self._output.put(self._progress)
 
     def _replace(self, items: list[Any]) -> None:
         self.items, self.current, self.state = items, min(len(items), 1), NOT_STARTED if items else NO_MISSION
@@ -126,12 +126,12 @@ class MissionStore:
         """Return the items of a type, none of an unknown one."""
         return self.items if kind == MISSION else self._kept.get(kind, [])
 
-    def on_mission_request_list(self, peer: Peer, message: Any) -> None:
+    def on_mission_request_list(self, peer: Address, message: Any) -> None:
         """Report the number of items."""
         count = len(self._of(message.mission_type))
         self._send(self.mav.mission_count_encode(*_from(message), count, message.mission_type), peer)
 
-    def on_mission_request_int(self, peer: Peer, message: Any) -> None:
+    def on_mission_request_int(self, peer: Address, message: Any) -> None:
         """Send an item."""
         item = self._item(peer, message)
         if item is not None:
@@ -140,21 +140,21 @@ class MissionStore:
                 self.mav.mission_item_int_encode(*_from(message), *_plain(item), *place, message.mission_type), peer
             )
 
-    def on_mission_request(self, peer: Peer, message: Any) -> None:
+    def on_mission_request(self, peer: Address, message: Any) -> None:
         """Send an item with its position in degrees."""
         item = self._item(peer, message)
         if item is not None:
             place = *(part / _scale(item) for part in (item.x, item.y)), item.z, message.mission_type
             self._send(self.mav.mission_item_encode(*_from(message), *_plain(item), *place), peer)
 
-    def _item(self, peer: Peer, message: Any) -> Any:
+    def _item(self, peer: Address, message: Any) -> Any:
         items = self._of(message.mission_type)
         if 0 <= message.seq < len(items):
             return items[message.seq]
         self._acknowledge(peer, _from(message), INVALID_SEQUENCE, message.mission_type)
         return None
 
-    def on_mission_count(self, peer: Peer, message: Any) -> None:
+    def on_mission_count(self, peer: Address, message: Any) -> None:
         """Begin an upload."""
         kind = message.mission_type
         if kind not in (MISSION, *COMMANDS):
@@ -178,7 +178,7 @@ class MissionStore:
         upload.asked_s = time.monotonic()
         self._send(self.mav.mission_request_encode(*upload.asker, len(upload.items), upload.kind), upload.peer)
 
-    def on_mission_item(self, peer: Peer, message: Any) -> None:
+    def on_mission_item(self, peer: Address, message: Any) -> None:
         """Accept an item with its position in degrees."""
         if not (abs(message.x) <= 180 and abs(message.y) <= 180):
             place = f"{message.x:g}, {message.y:g} deg"
@@ -188,7 +188,7 @@ class MissionStore:
         message.x, message.y = (round(_scale(message) * part) for part in (message.x, message.y))
         self.on_mission_item_int(peer, message)
 
-    def on_mission_item_int(self, peer: Peer, message: Any) -> None:
+    def on_mission_item_int(self, peer: Address, message: Any) -> None:
         """Accept the next item of an upload; after the last item, acknowledge the upload."""
         upload, ended = self._upload, self._ended
         if upload is None and ended is not None and ended.peer == peer and message.seq == ended.count - 1:
@@ -245,14 +245,14 @@ class MissionStore:
             raise RefusedItemError(item, UNSUPPORTED, f"{NAMES[item.mission_type]}: command {item.command}: {rule}")
         return item
 
-    def _refuse(self, peer: Peer, result: int) -> None:
+    def _refuse(self, peer: Address, result: int) -> None:
         """End this peer's upload."""
         upload = self._upload
         if upload is not None and upload.peer == peer:
             self._upload = None
             self._acknowledge(peer, upload.asker, result, upload.kind)
 
-    def on_mission_clear_all(self, peer: Peer, message: Any) -> None:
+    def on_mission_clear_all(self, peer: Address, message: Any) -> None:
         """Delete the items of one type, or of all; a mission not while it is flown."""
         for kind in self._kept:
             if message.mission_type in (kind, ALL):
@@ -266,7 +266,7 @@ class MissionStore:
             self._replace([])
         self._acknowledge(peer, _from(message), ACCEPTED, message.mission_type)
 
-    def _acknowledge(self, peer: Peer, asker: tuple[int, int], result: int, kind: int = MISSION) -> None:
+    def _acknowledge(self, peer: Address, asker: tuple[int, int], result: int, kind: int = MISSION) -> None:
         self._send(self.mav.mission_ack_encode(*asker, result, kind), peer)
 
 

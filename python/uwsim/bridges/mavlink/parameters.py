@@ -8,8 +8,8 @@ from collections import deque
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
+from uwsim.bridges.doors.datagrams import Address
 from uwsim.bridges.mavlink.craft import Craft
-from uwsim.bridges.mavlink.endpoint import Peer
 from uwsim.bridges.mavlink.settings import Settings
 from uwsim.bridges.mavlink.stations import sender_of
 
@@ -71,7 +71,7 @@ class ParameterServer:
         own = {name: f"{craft.name}.{plain}" for name, (plain, _) in OWN_NAMES.items()}
         self.ids = ids_of(live.simulator.parameters, live.vehicles) | {name: name for name in settings} | own
         self._indices = {name: index for index, name in enumerate(self.ids)}
-        self._due: deque[tuple[Peer, str]] = deque()
+        self._due: deque[tuple[Address, str]] = deque()
 
     def send_some(self) -> None:
         """Send the next few parameters of the lists that peers have requested."""
@@ -90,12 +90,12 @@ class ParameterServer:
         kind = INT32 if isinstance(value, int) else REAL32
         return self._mav.param_value_encode(name.encode(), float(value), kind, len(self.ids), self._indices[name])
 
-    def on_param_request_list(self, peer: Peer, message: Any) -> None:
+    def on_param_request_list(self, peer: Address, message: Any) -> None:
         """Send all parameters, a few at a time."""
         others = ((whose, name) for whose, name in self._due if whose != peer)
         self._due = deque([*others, *((peer, name) for name in self.ids)])
 
-    def on_param_request_read(self, peer: Peer, message: Any) -> None:
+    def on_param_request_read(self, peer: Address, message: Any) -> None:
         """Send one parameter, selected by ID or by index."""
         index = message.param_index
         name = message.param_id if index < 0 else next(iter(list(self.ids)[index : index + 1]), "")
@@ -104,12 +104,12 @@ class ParameterServer:
         else:
             self._send_unknown(peer, message, name, index)
 
-    def _send_unknown(self, peer: Peer, message: Any, name: str, index: int = -1) -> None:
+    def _send_unknown(self, peer: Address, message: Any, name: str, index: int = -1) -> None:
         """Send PARAM_ERROR, as ArduPilot does since 4.7 (GCS_Param.cpp, send_param_error); clients stop to wait."""
         sender = sender_of(message)
         self._send(self._mav.param_error_encode(*sender, name.encode(), index, DOES_NOT_EXIST), peer)
 
-    def on_param_set(self, peer: Peer, message: Any) -> None:
+    def on_param_set(self, peer: Address, message: Any) -> None:
         """Set a parameter, and send its value: the old value if the new one is refused. Raises ValueError."""
         name = message.param_id
         if name not in self.ids:

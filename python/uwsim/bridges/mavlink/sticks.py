@@ -6,9 +6,9 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any
 
+from uwsim.bridges.doors.datagrams import Address
 from uwsim.bridges.mavlink.component import INFO_TEXT
 from uwsim.bridges.mavlink.craft import Craft
-from uwsim.bridges.mavlink.endpoint import Peer
 from uwsim.bridges.mavlink.flight import Flight
 from uwsim.bridges.mavlink.gimbal import Gimbal
 from uwsim.bridges.mavlink.modes import ALT_HOLD, AUTO, GUIDED, MANUAL, POSHOLD, STABILIZE, SURFACE, SURFTRAK
@@ -83,7 +83,7 @@ class Sticks:
             if lamp.on != on:
                 self._craft.command("set_lamp", lamp=name, on=on)
 
-    def on_manual_control(self, peer: Peer, message: Any) -> None:
+    def on_manual_control(self, peer: Address, message: Any) -> None:
         """Set efforts (positive: forward, right, up, clockwise), and execute the functions of the buttons."""
         if not self._may_use(message):
             return
@@ -142,7 +142,7 @@ class Sticks:
         if is_turning:
             self._gimbal.turn_by_stick(pitch, yaw)
 
-    def on_rc_channels_override(self, peer: Peer, message: Any) -> None:
+    def on_rc_channels_override(self, peer: Address, message: Any) -> None:
         """Apply RC channels 1 to 9 [us]: pitch, roll, throttle, yaw, forward, lateral, camera pan and tilt, lights.
 
         0 releases a channel, and 65535 leaves it unchanged. Above channel 8, 65534 releases it, and 0 leaves it

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
+from uwsim.bridges.doors.datagrams import Address
 from uwsim.bridges.mavlink.component import DENIED, DONE, Component, Given, Obey
 from uwsim.bridges.mavlink.craft import Craft
-from uwsim.bridges.mavlink.endpoint import Peer
 from uwsim.bridges.mavlink.state import State
 from uwsim.bridges.mavlink.telemetry import Figures, Kind
 
@@ -84,7 +84,7 @@ class Streams:
         given.replies.append(self._component.mav.message_interval_encode(number, interval_us))
         return DONE
 
-    def on_request_data_stream(self, peer: Peer, message: Any) -> None:
+    def on_request_data_stream(self, peer: Address, message: Any) -> None:
         """Set the rate of a group of messages (0: all messages), as older ground stations request it."""
         rate_hz = min(float(message.req_message_rate), RATE_MAX_HZ) if message.start_stop else 0.0
         self._set({n: rate_hz for n, kind in self._kinds.items() if message.req_stream_id in (0, kind.stream)})

@@ -11,10 +11,10 @@ from scipy.spatial.transform import Rotation
 
 from uwsim.bridges.actions.action import Route
 from uwsim.bridges.actions.table import SPEED_M_S
+from uwsim.bridges.doors.datagrams import Address
 from uwsim.bridges.mavlink.component import DONE, UNSUPPORTED, Given, Obey
 from uwsim.bridges.mavlink.craft import Craft
 from uwsim.bridges.mavlink.earth import FRD, NED_FROM_ENU, Vector, euler_rad
-from uwsim.bridges.mavlink.endpoint import Peer
 from uwsim.bridges.mavlink.flight import Flight
 from uwsim.bridges.mavlink.modes import GUIDED, HOLDS_OF
 from uwsim.bridges.mavlink.state import State
@@ -69,7 +69,7 @@ class Targets:
         self._fly_to(point, math.pi / 2 - yaw if turns else None, SPEED_M_S if is_default else speed_m_s)
         return DONE
 
-    def on_set_position_target_local_ned(self, peer: Peer, message: Any) -> None:
+    def on_set_position_target_local_ned(self, peer: Address, message: Any) -> None:
         """Fly to a position, relative to the origin or to the vehicle, or at a velocity."""
         frame = message.coordinate_frame
         if frame not in (LOCAL, LOCAL_OFFSET, BODY, BODY_OFFSET, BODY_FRD):
@@ -85,7 +85,7 @@ class Targets:
         point = NED_FROM_ENU.T @ (_levelled(state, offset) if is_body else offset)
         self._guide(message, point if frame == LOCAL else state.position_world_m + point)
 
-    def on_set_position_target_global_int(self, peer: Peer, message: Any) -> None:
+    def on_set_position_target_global_int(self, peer: Address, message: Any) -> None:
         """Fly to a geographic location, or at a velocity."""
         if message.coordinate_frame not in GLOBAL_FRAMES:
             rule = "must be a global one (0, 3, 5, 6); heights above the bed (10, 11) are for missions"
@@ -109,7 +109,7 @@ class Targets:
             raise ValueError(f"target: alt = {altitude_m:g} m: must be a number, at most 0")
         self._craft.command("hold_at", z_world_m=altitude_m)
 
-    def on_set_attitude_target(self, peer: Peer, message: Any) -> None:
+    def on_set_attitude_target(self, peer: Address, message: Any) -> None:
         """Turn to an attitude, and climb: half of the thrust keeps the depth, as for ArduSub.
 
         Without thrust, in a mode that holds the heading, it is the heading's target.

@@ -17,6 +17,7 @@ from uwsim.base.axes import AXES
 from uwsim.base.extras import need_extra
 from uwsim.bridges.actions import Action
 from uwsim.bridges.bridge import Bridge
+from uwsim.bridges.doors.datagrams import Address
 from uwsim.bridges.doors.endpoint import Endpoint
 from uwsim.bridges.mavlink.backlog import Backlog
 from uwsim.bridges.mavlink.cameras import camera_components
@@ -34,7 +35,7 @@ from uwsim.bridges.mavlink.component import (
 )
 from uwsim.bridges.mavlink.craft import Craft
 from uwsim.bridges.mavlink.earth import HOME, ned_from_frd
-from uwsim.bridges.mavlink.endpoint import Peer, Wire
+from uwsim.bridges.mavlink.endpoint import Wire
 from uwsim.bridges.mavlink.fence import FenceKeeper
 from uwsim.bridges.mavlink.flight import Flight
 from uwsim.bridges.mavlink.gimbal import DEVICE, Gimbal
@@ -166,7 +167,7 @@ class MavlinkVehicle(Bridge):
             xyzw = Rotation.from_matrix(vehicle.pose.world_from_body[:3, :3]).as_quat()
             lat, lon = (round(1e7 * values[f"{name}_deg"]) for name in ("latitude", "longitude"))
             up_mm, boot_ms = round(-1e3 * values["depth_m"]), round(1e3 * values["time_s"]) % 2**32
-            self._craft.output.append(
+            self._craft.output.put(
                 self._autopilot.mav.camera_image_captured_encode(
                     boot_ms,
                     0,
@@ -250,7 +251,7 @@ class MavlinkVehicle(Bridge):
     def _store_state(self, state: State) -> None:
         """Receive a reading on the simulator's thread."""
         self._craft.state = state
-        self._craft.output.append(state)
+        self._craft.output.put(state)
 
     def send_text(self, text: str, severity: int = WARNING_TEXT, /) -> None:
         """Send a text, from any thread, in messages of up to 50 bytes.
@@ -264,7 +265,7 @@ class MavlinkVehicle(Bridge):
         number = self._texts if len(data) > TEXT_BYTES else 0
         for k, start in enumerate(range(0, len(data) + bool(number), TEXT_BYTES)):
             part = data[start : start + TEXT_BYTES]
-            self._craft.output.append(self._autopilot.mav.statustext_encode(severity, part, number, k))
+            self._craft.output.put(self._autopilot.mav.statustext_encode(severity, part, number, k))
 
     def _run(self) -> None:
         while not self._closing.is_set():
@@ -314,7 +315,7 @@ class MavlinkVehicle(Bridge):
             hasattr(owner, name) for owner in self._owners
         )
 
-    def _dropped(self, peer: Peer, message: Any) -> None:
+    def _dropped(self, peer: Address, message: Any) -> None:
         """Report a message that is not handled."""
         kind = message.get_type()
         self._rare.warning(f"{kind}: not handled: stopped meanwhile, or too many messages of one station wait")
@@ -340,9 +341,7 @@ class MavlinkVehicle(Bridge):
             self._autopilot.send(self._heartbeat())
             for camera in self._cameras:
                 camera.component.send(camera.heartbeat())
-        output = self._craft.output
-        while output:
-            item = output.popleft()
+        while (item := self._craft.output.take()) is not None:
             if not isinstance(item, State):
                 self._autopilot.send(item() if callable(item) else item)
                 continue
@@ -375,17 +374,17 @@ class MavlinkVehicle(Bridge):
 
     # In
 
-    def _handle(self, peer: Peer, message: Any) -> None:
+    def _handle(self, peer: Address, message: Any) -> None:
         if message.get_type() in TARGETS:
             self._attempt(lambda: self._pass_target(peer, message), self._refusals.is_new)
         else:
             self._attempt(lambda: self._pass(peer, message))
 
-    def _pass_target(self, peer: Peer, message: Any) -> None:
+    def _pass_target(self, peer: Address, message: Any) -> None:
         self._pass(peer, message)
         self._refusals.accepted()
 
-    def _pass(self, peer: Peer, message: Any) -> None:
+    def _pass(self, peer: Address, message: Any) -> None:
         """Pass a message to the part of the system that handles its type."""
         name = f"on_{message.get_type().lower()}"
         component = getattr(message, "target_component", AUTOPILOT)
@@ -418,12 +417,12 @@ class MavlinkVehicle(Bridge):
         """Log a rejected command, at most once a minute."""
         self._rare.warning(reason)
 
-    def on_timesync(self, peer: Peer, message: Any) -> None:
+    def on_timesync(self, peer: Address, message: Any) -> None:
         """Answer a ground station that is measuring the delay."""
         if message.tc1 == 0:
             self._autopilot.send(self._autopilot.mav.timesync_encode(time.monotonic_ns(), message.ts1), peer)
 
-    def on_set_gps_global_origin(self, peer: Peer, message: Any) -> None:
+    def on_set_gps_global_origin(self, peer: Address, message: Any) -> None:
         """Refuse to change the origin, which the scenario determines, and report the current one."""
         self._autopilot.send(origin(self._autopilot.mav, self._craft.home), peer)
         raise ValueError("SET_GPS_GLOBAL_ORIGIN: the scenario determines the origin")

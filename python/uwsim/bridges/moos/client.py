@@ -3,25 +3,26 @@
 from __future__ import annotations
 
 import logging
-import socket
 import time
 from collections.abc import Callable, Iterable
 
-from uwsim.bridges.aboard.kept_connection import CONNECT_S, READ_BYTES, KeptConnection, Stream
+from uwsim.bridges.doors.conversation import first_of
+from uwsim.bridges.doors.dialler import QueueDialler
 from uwsim.bridges.doors.endpoint import Endpoint, EndpointForm
+from uwsim.bridges.doors.streams import Stream, stream_to
 from uwsim.bridges.moos.wire import DATA, NOTIFY, POISON, PROTOCOL, REGISTER, TIMING, Message, MoosError, PacketReader
 from uwsim.bridges.moos.wire import encoded as packet_of
 
 PORT = 9000
 """The port of a MOOSDB, unless its mission sets another."""
 FORM = EndpointForm("moos", "[VEHICLE=]HOST[:PORT]", {"": PORT}, sends=("",), needs_host=True)
-TIMING_S, SILENT_S = 1.0, 10.0
-"""Time between questions about the time, and of silence after which a peer is lost."""
+TIMING_S, WELCOME_S, SILENT_S = 1.0, 5.0, 10.0
+"""Time between questions about the time, for a welcome, and of silence after which a peer is lost."""
 
 logger = logging.getLogger("uwsim.moos")
 
 
-class MoosClient(KeptConnection[Message]):
+class MoosClient(QueueDialler[Message]):
     """A connection to a MOOSDB.
 
     name: of this application, which a community has once. names: the variables to subscribe to. received: called on
@@ -70,49 +71,48 @@ class MoosClient(KeptConnection[Message]):
             for name, value in values
         )  # fmt: skip
 
-    def _forget(self) -> None:
+    def _fail(self, error: Exception | None, wait_s: float) -> None:
         self.warp, self.community = None, ""
+        super()._fail(error, wait_s)
 
-    def _converse(self) -> None:
-        with socket.create_connection((self.address.host, self.address.port), CONNECT_S) as connection:
-            connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+    async def _connect(self) -> None:
+        async with stream_to(self.address.host, self.address.port) as stream:
             reader = PacketReader()
-            self._introduce(connection, reader)
-            heard_s, asked_s = time.monotonic(), 0.0
-            with Stream(connection, self._woken) as stream:
-                while not self._is_closed:
-                    now_s = time.monotonic()
-                    if now_s - heard_s > SILENT_S:
-                        raise OSError("silent")
-                    messages = self._taken()
-                    if now_s - asked_s > TIMING_S:
-                        messages.insert(0, Message(TIMING, "_async_timing", 0.0, self.time_s, self.name))
-                        asked_s = now_s
-                    stream.send([packet_of(messages)] if messages else [])
-                    stream.wait(TIMING_S / 4)
-                    for data in stream.received():
-                        heard_s = time.monotonic()
-                        self._take(list(reader.read(data)))
+            await self._introduce(stream, reader)
+            self._join()
+            await first_of(self._listen(stream, reader), self._speak(stream))
 
-    def _introduce(self, connection: socket.socket, reader: PacketReader) -> None:
+    async def _listen(self, stream: Stream, reader: PacketReader) -> None:
+        while True:
+            self._take(list(reader.read(await stream.read(SILENT_S))))
+
+    async def _speak(self, stream: Stream) -> None:
+        asked_s = 0.0
+        while True:
+            messages = await self._taken(TIMING_S / 4)
+            if (now_s := time.monotonic()) - asked_s > TIMING_S:
+                messages.insert(0, Message(TIMING, "_async_timing", 0.0, self.time_s, self.name))
+                asked_s = now_s
+            if messages:
+                stream.send(packet_of(messages))
+
+    async def _introduce(self, stream: Stream, reader: PacketReader) -> None:
         """Introduce this client, and subscribe. Raises OSError or MoosError."""
         hello = Message(DATA, "asynchronous", self.name.encode(), time.time())
-        connection.sendall(PROTOCOL + packet_of([hello]))
-        first = self._first(connection, reader)
+        stream.send(PROTOCOL + packet_of([hello]))
+        first = await self._first(stream, reader)
         self.community = first[0].community
         self._take(first[1:])
         now_s = time.time()
-        connection.sendall(
-            packet_of([Message(REGISTER, name, 0.0, now_s, self.name, self.community) for name in self._names])
-        )
+        stream.send(packet_of([Message(REGISTER, name, 0.0, now_s, self.name, self.community) for name in self._names]))
 
-    def _first(self, connection: socket.socket, reader: PacketReader) -> list[Message]:
+    async def _first(self, stream: Stream, reader: PacketReader) -> list[Message]:
         """Return the messages that begin with the welcome. Raises MoosError or OSError."""
         while True:
-            data = connection.recv(READ_BYTES)
-            if not data:
-                raise MoosError("has closed the connection: is it a MOOSDB?")
-            found = list(reader.read(data))
+            try:
+                found = list(reader.read(await stream.read(WELCOME_S)))
+            except OSError as error:
+                raise MoosError(f"{error}: is it a MOOSDB?") from None
             if not found:
                 continue
             if found[0].kind == POISON:

@@ -85,13 +85,13 @@ class CommunityVehicle:
         self._subscription = live.every(1.0 / settings.rate_hz, self._read, self.client.publish)
 
     def __enter__(self) -> CommunityVehicle:
-        self.client.__enter__()
+        self.client.start()
         return self
 
     def __exit__(self, *_: object) -> None:
         """Leave the community."""
         self._subscription.cancel()
-        self.client.__exit__()
+        self.client.close()
 
     def take_ping(self, reading: Reading) -> None:
         """Publish a ping of the sonar, a sensor_msgs/LaserScan, as UWSIM_SONAR. Does not block."""

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import logging
-import socket
-from contextlib import suppress
 
+from uwsim.bridges.doors.datagrams import Datagrams
 from uwsim.bridges.doors.endpoint import Endpoint, EndpointForm
-from uwsim.bridges.doors.line_server import LineServer
+from uwsim.bridges.doors.streams import LineServer
 
 PORT = 10110
 """IANA's port of NMEA 0183, by UDP and TCP."""
@@ -23,35 +22,28 @@ class Wire:
     def __init__(self, target: Endpoint) -> None:
         if not target.is_local:
             logger.warning("NMEA at %s, beyond this machine, in plain text", target)
-        self._server: LineServer | None = None
-        self.target = target
+        self.target, title, there = target, f"NMEA {target}", (target.host, target.port)
+        self._way: LineServer | Datagrams
         if target.kind == "tcp":
-            self._server = LineServer(target.host, target.port, f"NMEA {target}", logger)
-            self.target = target._replace(port=self._server.port)
-            return
-        self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        try:
-            self._socket.setblocking(False)
-            self._socket.connect((target.host, target.port))
-        except OSError as error:
-            self._socket.close()
-            raise OSError(f"NMEA {target}: {error.strerror or error}") from None
+            self._way = LineServer(there, title, logger)
+            self.target = target._replace(port=self._way.port)
+        else:
+            self._way = Datagrams(to=there, title=title)
 
     @property
     def count(self) -> int:
         """The number of TCP clients."""
-        return 0 if self._server is None else self._server.count
+        return len(self._way.peers) if isinstance(self._way, LineServer) else 0
 
     def close(self) -> None:
         """Close all sockets."""
-        (self._server or self._socket).close()
+        self._way.close()
 
     def send(self, sentences: list[str]) -> None:
         """Send sentences: by UDP each as a datagram."""
-        if self._server is not None:
-            self._server.admit()
-            self._server.send("".join(sentences).encode())
+        if isinstance(self._way, LineServer):
+            self._way.admit()
+            self._way.send("".join(sentences).encode())
             return
         for each in sentences:
-            with suppress(OSError):  # no program listens there
-                self._socket.send(each.encode())
+            self._way.send(each.encode())

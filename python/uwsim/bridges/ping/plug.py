@@ -8,14 +8,15 @@ from typing import TYPE_CHECKING
 from uwsim.base.options import Options, option
 from uwsim.bridges.aboard.instrument import InstrumentPlug
 from uwsim.bridges.doors.door import EVERYONE, OWN, Door
+from uwsim.bridges.doors.endpoint import Endpoint, EndpointForm
 
 if TYPE_CHECKING:
-    from uwsim.bridges.doors.endpoint import Endpoint
     from uwsim.bridges.ping.ping1d import Ping1D
     from uwsim.bridges.ping.ping360 import Ping360
     from uwsim.live import LiveSimulator
     from uwsim.simulator.vehicle import Vehicle
 
+_FORM = "[INSTRUMENT=]udp[:HOST][:PORT] or [INSTRUMENT=]pty"
 METAVAR = "[INSTRUMENT=]udp[:HOST]:PORT|pty"
 _ADMITS = f"{EVERYONE}; the last that sent a message is answered; it steers nothing"
 
@@ -47,11 +48,8 @@ class Ping1dPlug(InstrumentPlug[Ping1dOptions]):
 
     options = Ping1dOptions
     title, needed = "Ping1D", "a sensor of kind altitude"
+    form, module = EndpointForm("ping1d", _FORM, {"udp": 9090, "pty": 0}, bare=("pty",)), "brping"
     doors = (Door("`--ping1d udp`", "UDP", 1, OWN, "ping protocol: a Ping1D", _ADMITS, ("--ping1d", "udp:0")),)
-
-    def parsed(self, text: str) -> Endpoint:
-        """See InstrumentPlug."""
-        return _parsed("ping1d", text, 9090)
 
     def fitting(self, vehicle: Vehicle) -> list[str]:
         """Return the altimeters."""
@@ -59,10 +57,10 @@ class Ping1dPlug(InstrumentPlug[Ping1dOptions]):
 
     def device(self, live: LiveSimulator, vehicle: str, name: str, address: Endpoint) -> Ping1D:
         """See InstrumentPlug."""
-        from uwsim.bridges.ping.line import opened
+        from uwsim.bridges.ping.line import Line
         from uwsim.bridges.ping.ping1d import Ping1D
 
-        return Ping1D(live, vehicle, name, opened(address))
+        return Ping1D(live, vehicle, name, Line(address))
 
 
 class Ping360Plug(InstrumentPlug[Ping360Options]):
@@ -70,15 +68,12 @@ class Ping360Plug(InstrumentPlug[Ping360Options]):
 
     options = Ping360Options
     title = "Ping360"
+    form, module = EndpointForm("ping360", _FORM, {"udp": 9092, "pty": 0}, bare=("pty",)), "brping"
     needed = "an imaging sonar of kind forward_looking with field_of_view_deg: 360, as bluerov2_heavy_outfit has"
     doors = (
         Door("`--ping360 udp`", "UDP", 1, OWN, "ping protocol: a Ping360", _ADMITS,
              ("--ping360", "udp:0", "--vehicle-model", "bluerov2_heavy_outfit")),
     )  # fmt: skip
-
-    def parsed(self, text: str) -> Endpoint:
-        """See InstrumentPlug."""
-        return _parsed("ping360", text, 9092)
 
     def fitting(self, vehicle: Vehicle) -> list[str]:
         """Return the scanning sonars: those whose picture is a whole turn."""
@@ -87,16 +82,7 @@ class Ping360Plug(InstrumentPlug[Ping360Options]):
 
     def device(self, live: LiveSimulator, vehicle: str, name: str, address: Endpoint) -> Ping360:
         """See InstrumentPlug."""
-        from uwsim.bridges.ping.line import opened
+        from uwsim.bridges.ping.line import Line
         from uwsim.bridges.ping.ping360 import Ping360
 
-        return Ping360(live, vehicle, name, opened(address))
-
-
-def _parsed(switch: str, text: str, port: int) -> Endpoint:
-    from uwsim.base.extras import need_extra
-    from uwsim.bridges.doors.endpoint import EndpointForm
-
-    need_extra("brping", f"--{switch}")
-    form = "[INSTRUMENT=]udp[:HOST][:PORT] or [INSTRUMENT=]pty"
-    return EndpointForm(switch, form, {"udp": port, "pty": 0}, bare=("pty",)).parse(text)
+        return Ping360(live, vehicle, name, Line(address))

@@ -7,10 +7,11 @@ from collections import deque
 from collections.abc import Callable
 from typing import NamedTuple
 
+from uwsim.bridges.doors.datagrams import Address
+from uwsim.bridges.doors.waiting import Waiting
 from uwsim.bridges.ros2 import rtps
 from uwsim.bridges.ros2.transport import Call
 
-Address = tuple[str, int]
 KEPT = 100  # responses that may be sent again
 CALLS_MAX = 100
 READERS_MAX = 1000  # readers in one participant per local writer
@@ -138,13 +139,13 @@ class RtpsServer:
             History(number.to_bytes(3, "big") + b"\x03", kept=KEPT, last=1),
         )
         self._put = put
-        self._calls: deque[Call] = deque(maxlen=CALLS_MAX)
+        self._calls = Waiting[Call](CALLS_MAX)
 
     def receive(self, call: Call) -> None:
         """Queue a call."""
-        self._calls.append(call)
+        self._calls.put(call)
         self._put(self)
 
     def take(self, limit: int) -> list[Call]:
         """Return up to `limit` calls that have arrived."""
-        return [self._calls.popleft() for _ in range(min(limit, len(self._calls)))]
+        return self._calls.taken(limit)

@@ -15,9 +15,9 @@ import struct
 import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import suppress
 from functools import partial
 
+from uwsim.bridges.doors.datagrams import Address, Datagrams
 from uwsim.bridges.ros2 import rtps
 from uwsim.bridges.ros2.graph import PARTICIPANT_DATA, dds_name, endpoint_data
 from uwsim.bridges.ros2.rtps_endpoints import HELD_MAX, HOLD_S, History, Peer, Response, RtpsServer, Track
@@ -25,7 +25,6 @@ from uwsim.bridges.ros2.settings import MULTICAST_GROUP, PARTICIPANTS_MAX, Ros2S
 from uwsim.bridges.ros2.transport import Call
 from uwsim.channels.ros.service_types import request_type, response_type
 
-Address = tuple[str, int]
 OURS, FAST_DDS, CYCLONE_DDS = b"\0\0", b"\x01\x0f", b"\x01\x10"  # vendors, section 9.3.1.3; ours is "unknown"
 PARTICIPANT = b"\0\0\x01\xc1"  # entities, section 9.3.1.3
 SPDP_WRITER, SPDP_READER = b"\0\x01\0\xc2", b"\0\x01\0\xc7"
@@ -38,7 +37,6 @@ BUILTINS = 0x3F  # announcer and detector of participants, publications, subscri
 CDR_HEADER, CALL_HEADER = 4, 16  # bytes
 ANNOUNCE_S, RETRY_S, LEASE_S = 1.0, 0.1, 20
 PEERS_MAX, CLIENTS_MAX = 200, 1000
-PACKET_BYTES = 65_536
 
 
 class RtpsParticipant:
@@ -48,10 +46,7 @@ class RtpsParticipant:
         self._settings = settings
         self.prefix = OURS + os.urandom(10)
         self._host = "127.0.0.1" if settings.reach == "localhost" else _own_address()
-        self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        self._socket.bind((self._host, 0))
-        self._socket.settimeout(RETRY_S)
-        self._port: int = self._socket.getsockname()[1]
+        self._datagrams = Datagrams((self._host, 0))
         self._lock = threading.Lock()
         self._peers: dict[bytes, Peer] = {}
         self._servers: dict[str, RtpsServer] = {}  # by request topic
@@ -103,7 +98,7 @@ class RtpsParticipant:
             gone = rtps.gone(SPDP_READER, SPDP_WRITER, 2, self.prefix + PARTICIPANT)
             for prefix, peer in self._peers.items():
                 self._send(peer.discovery, prefix, gone)
-        self._socket.close()
+        self._datagrams.close()
 
     def _run(self) -> None:
         next_s = retry_s = 0.0
@@ -114,18 +109,16 @@ class RtpsParticipant:
             if time.monotonic() >= retry_s:
                 retry_s = time.monotonic() + RETRY_S
                 self._retry()
-            try:
-                packet, (host, _) = self._socket.recvfrom(PACKET_BYTES)
-            except OSError:  # a timeout, or a report that a port is closed
-                continue
-            try:
-                found = rtps.read(packet, self.prefix)
-                with self._lock:
-                    for vendor, prefix, submessage in found:
-                        if vendor in (FAST_DDS, CYCLONE_DDS):
-                            self._receive(vendor, prefix, host, submessage)
-            except ValueError as error:
-                logging.getLogger("uwsim.ros2").debug("%s", error)
+            self._datagrams.wait(RETRY_S)
+            for packet, (host, _) in self._datagrams.received():
+                try:
+                    found = rtps.read(packet, self.prefix)
+                    with self._lock:
+                        for vendor, prefix, submessage in found:
+                            if vendor in (FAST_DDS, CYCLONE_DDS):
+                                self._receive(vendor, prefix, host, submessage)
+                except ValueError as error:
+                    logging.getLogger("uwsim.ros2").debug("%s", error)
 
     # Discovery
 
@@ -158,7 +151,7 @@ class RtpsParticipant:
                 yield host, unicast_port(domain, participant)
 
     def _participant_data(self) -> bytes:
-        locator = struct.pack("<iI12x", 1, self._port) + socket.inet_aton(self._host)
+        locator = struct.pack("<iI12x", 1, self._datagrams.port) + socket.inet_aton(self._host)
         found = [
             (PROTOCOL_VERSION, b"\x02\x02"),
             (VENDOR, OURS),
@@ -326,8 +319,7 @@ class RtpsParticipant:
 
     def _send(self, address: Address, prefix: bytes, submessage: bytes) -> None:
         receiver = rtps.to_participant(prefix) if prefix else b""
-        with suppress(OSError):  # nothing listens there; lost samples are sent again
-            self._socket.sendto(rtps.header(self.prefix, OURS) + receiver + submessage, address)
+        self._datagrams.send(rtps.header(self.prefix, OURS) + receiver + submessage, address)
 
 
 def _order_of(payload: bytes) -> str:
@@ -336,6 +328,5 @@ def _order_of(payload: bytes) -> str:
 
 def _own_address() -> str:
     """Return this host's address on the network that reaches the multicast group."""
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        probe.connect((MULTICAST_GROUP, 1))
-        return str(probe.getsockname()[0])
+    with Datagrams(to=(MULTICAST_GROUP, 1)) as probe:
+        return probe.host

@@ -12,7 +12,7 @@ import os
 import threading
 import time
 import warnings
-from collections import Counter, deque
+from collections import Counter
 from collections.abc import Sequence
 from contextlib import suppress
 from functools import partial
@@ -23,6 +23,7 @@ import zenoh
 import zenoh.ext
 
 from uwsim.bridges.doors.places import HALF_OPEN_S
+from uwsim.bridges.doors.waiting import Waiting
 from uwsim.bridges.ros2.settings import ZENOH_PORT, Ros2Settings
 from uwsim.bridges.ros2.transport import DEPTH, Call
 from uwsim.bridges.ros2.zenoh_names import ATTACHMENT, Entity, attachment, gid_of
@@ -189,17 +190,17 @@ class ZenohReader:
 
     def __init__(self, events: ZenohEvents, writers: Any) -> None:
         self._events, self.writers = events, writers
-        self._found: deque[bytes] = deque(maxlen=DEPTH)
+        self._found = Waiting[bytes](DEPTH)
         self.subscriber: Any = None
 
     def receive(self, sample: Any) -> None:
         """Queue a message, on a Zenoh thread."""
-        self._found.append(sample.payload.to_bytes())
+        self._found.put(sample.payload.to_bytes())
         self._events.put(self)
 
     def take(self, limit: int) -> list[bytes]:
         """Return up to `limit` messages that have arrived."""
-        return [self._found.popleft() for _ in range(min(limit, len(self._found)))]
+        return self._found.taken(limit)
 
 
 class ZenohServer:
@@ -207,19 +208,18 @@ class ZenohServer:
 
     def __init__(self, key: str, events: ZenohEvents) -> None:
         self._key, self._events = key, events
-        self._found: deque[Any] = deque(maxlen=CALLS_MAX)
+        self._found = Waiting[Any](CALLS_MAX)
         self.queryable: Any = None
 
     def receive(self, query: Any) -> None:
         """Queue a call, on a Zenoh thread."""
-        self._found.append(query)
+        self._found.put(query)
         self._events.put(self)
 
     def take(self, limit: int) -> list[Call]:
         """Return up to `limit` calls that have arrived. Queries without an attachment are ignored."""
-        queries = [self._found.popleft() for _ in range(min(limit, len(self._found)))]
         calls = []
-        for query in queries:
+        for query in self._found.taken(limit):
             asked = b"" if query.attachment is None else query.attachment.to_bytes()
             if query.payload is not None and len(asked) == ATTACHMENT.size:
                 calls.append(Call(query.payload.to_bytes(), partial(self._reply, query, asked)))

@@ -21,7 +21,8 @@ from typing import Any
 from websockets.asyncio.client import ClientConnection
 from websockets.exceptions import ConnectionClosed
 
-from uwsim.bridges.doors.dialler import Dialler
+from uwsim.bridges.doors.conversation import first_of
+from uwsim.bridges.doors.dialler import WebSocketDialler
 from uwsim.bridges.doors.listener import post
 from uwsim.bridges.rosbridge.encoding import publication, to_json
 from uwsim.bridges.rosbridge.joining import OPTIONAL, TEXT_SHOWN, Joining, RefusedError
@@ -41,7 +42,7 @@ Frame = Callable[[], str | None]
 Respond = Callable[[bool, Any], object]
 
 
-class Client(Dialler):
+class Client(WebSocketDialler):
     """A client of a rosbridge server; all methods may be called on any thread. It is a context manager.
 
     What is advertised, subscribed to and offered is so again after each reconnection. Messages are received in CBOR and
@@ -168,22 +169,18 @@ class Client(Dialler):
     async def _converse(self, connection: ClientConnection) -> None:
         self._mark, self._largest_sent = f"uwsim-{secrets.token_hex(4)}", 0
         self._sent_topics.clear()
-        tasks = [asyncio.create_task(self._listen(connection))]
+        ways = [self._listen(connection)]  # the first knows why a connection ended
         if self._log is not None:
             self.joining = Joining(
                 connection, self._given, list(self._lines), self._log, self.url, self._mark, self._report
             )
-            tasks.append(asyncio.create_task(self.joining.follow_refusals()))
-        tasks.append(asyncio.create_task(self._speak(connection, self.joining)))
+            ways.append(self.joining.follow_refusals())
+        ways.append(self._speak(connection, self.joining))
         with self._lock:
             self._connection = connection
         try:
-            done, _ = await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
-            for task in sorted(done, key=lambda task: task is not tasks[0]):  # which knows why a connection ended
-                task.result()
+            await first_of(*ways)
         finally:
-            for task in tasks:
-                task.cancel()
             with self._lock:
                 self._connection, self._has_introduced = None, False
                 answers, self._answers = list(self._answers.values()), {}
@@ -192,7 +189,6 @@ class Client(Dialler):
             for answer in answers:
                 answer({})
             self._left()
-            await asyncio.gather(*tasks, return_exceptions=True)
             if self.joining is not None:
                 self.joining.log_refusals()
 

@@ -15,7 +15,7 @@ from typing import Self
 from uwsim.bridges.actions import Offered, actions_of
 from uwsim.bridges.doors.connection import HeardConnection
 from uwsim.bridges.doors.conversation import Rates, Share
-from uwsim.bridges.doors.listener import STOP_S, Address, Listener, Site
+from uwsim.bridges.doors.listener import STOP_S, Entrance, Listener, Site
 from uwsim.bridges.rosbridge.desk import Desk, Seat
 from uwsim.bridges.rosbridge.graph import LOGGER, Graph
 from uwsim.bridges.rosbridge.guest_node import GuestNode
@@ -86,7 +86,7 @@ class RosbridgeServer:
         self._guests = guests
         self._share = Share(self._limits.work_share)
         self._listener: Listener[Seat] = Listener(
-            Address(host, port, origins, token, certfile, keyfile),
+            Entrance(host, port, origins, token, certfile, keyfile),
             LOGGER,
             places=self._limits.connections,
             rates=Rates(self._limits.messages_per_s, self._limits.bytes_per_s),
