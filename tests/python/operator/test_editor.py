@@ -343,10 +343,17 @@ def station(tmp_path: Path):
     found.sessions.close()
 
 
-def test_what_is_saved_opens_everywhere_and_replaces_no_foreign_file(station: Station, tmp_path: Path) -> None:
-    anna, ben = Member(station, "anna"), Member(station, "ben")
+@pytest.fixture
+def anna(station: Station) -> Member:
+    """A member who edits the pool."""
+    member = Member(station, "anna")
+    assert member("edit", action="open", scenario="pool")["parts"]
+    return member
+
+
+def test_what_is_saved_opens_everywhere_and_replaces_no_foreign_file(anna, station: Station, tmp_path: Path) -> None:
+    ben = Member(station, "ben")
     assert {each["name"] for each in anna("edit_forms")["sections"]} == set(SECTIONS)
-    assert anna("edit", action="open", scenario="pool")["parts"]
     assert "anna edits" in ben("edit", action="add", section="obstacles", kind="box", at_m=[0, 0])["message"]
     assert "anna edits" in ben("edit", action="open", scenario="pool")["message"]
     added = anna("edit", action="add", section="obstacles", kind="box", at_m=[2, 2])
@@ -371,8 +378,7 @@ def test_what_is_saved_opens_everywhere_and_replaces_no_foreign_file(station: St
     again.sessions.close()
 
 
-def test_a_scene_is_built_from_nothing_and_has_the_verdict_of_a_file(station: Station, tmp_path: Path) -> None:
-    anna = Member(station, "anna")
+def test_a_scene_is_built_from_nothing_and_has_the_verdict_of_a_file(anna, tmp_path: Path) -> None:
     assert anna("edit", action="new")["vehicles"] == ["rov"]
     for section, kind in (
         ("terrain", "image"), ("terrain", "noise"), ("surface", "jonswap"), ("tide", ""), ("optics", ""),
@@ -393,11 +399,7 @@ def test_a_scene_is_built_from_nothing_and_has_the_verdict_of_a_file(station: St
     assert (scenario.terrain.source, scenario.optics.sun_elevation_deg) == ("noise", 20.0)
 
 
-def test_an_exercise_is_saved_beside_its_scene_replaces_none_and_is_flown_another_day(tmp_path: Path) -> None:
-    station = Station(offered="pool", folder=tmp_path)
-    station.connect(node())
-    anna = Member(station, "anna")
-    assert anna("edit", action="open", scenario="pool")["success"]
+def test_an_exercise_is_saved_beside_its_scene_replaces_none_and_is_flown_another_day(anna, tmp_path: Path) -> None:
     goal = {"section": "goals", "kind": "reach", "at_m": [2, 3]}
     assert anna("edit", action="add", **goal)["added"] == ["exercise", "goals", 0]
     assert anna("edit", action="check")["mistakes"] == []
@@ -417,7 +419,6 @@ def test_an_exercise_is_saved_beside_its_scene_replaces_none_and_is_flown_anothe
     assert "bay.exercise.yaml: is another scene's" in anna("edit", action="save", name="bay")["message"]
     assert (tmp_path / "bay.exercise.yaml").read_bytes() == kept
     (tmp_path / "kept").rename(tmp_path / "bay.yaml")
-    station.sessions.close()
 
     again = Station(offered="pool", folder=tmp_path)  # another day
     again.connect(node())
@@ -451,9 +452,7 @@ def test_what_was_left_unsaved_is_there_for_whoever_opens_it_next_and_can_be_dro
     assert not Member(station, "anna")("edit", action="report")["can_undo"]
 
 
-def test_a_file_that_was_removed_or_broken_leaves_the_start_screen_to_the_others(station: Station) -> None:
-    anna = Member(station, "anna")
-    anna("edit", action="open", scenario="pool")
+def test_a_file_that_was_removed_or_broken_leaves_the_start_screen_to_the_others(anna, station: Station) -> None:
     assert anna("edit", action="save", name="one")["is_saved"] and anna("edit", action="save", name="two")["is_saved"]
     (station.sessions.folder / "one.yaml").unlink()
     (station.sessions.folder / "two.yaml").write_text("name: [")
@@ -462,9 +461,8 @@ def test_a_file_that_was_removed_or_broken_leaves_the_start_screen_to_the_others
     assert "must be one of" in anna("check", scenario=["pool"])["message"]
 
 
-def test_hostile_changes_are_refused_in_a_line(station: Station) -> None:
-    anna, deep = Member(station, "anna"), []
-    anna("edit", action="open", scenario="pool")
+def test_hostile_changes_are_refused_in_a_line(anna) -> None:
+    deep: list[object] = []
     for _ in range(300):
         deep = [deep]
     for values, rule in (
@@ -478,17 +476,14 @@ def test_hostile_changes_are_refused_in_a_line(station: Station) -> None:
         assert rule in answer["message"]
 
 
-def test_a_change_beside_another_is_refused_and_occupies_no_thread(station: Station) -> None:
-    anna = Member(station, "anna")
-    anna("edit", action="open", scenario="pool")
+def test_a_change_beside_another_is_refused_and_occupies_no_thread(anna, station: Station) -> None:
     with station.sessions.editor._changing:
         for request in ({"action": "undo"}, {"action": "open", "scenario": "pool"}):
             assert "another change is being made" in anna("edit", **request)["message"]
     assert "nothing to undo" in anna("edit", action="undo")["message"]
 
 
-def test_a_client_leaves_without_waiting_for_a_change(station: Station) -> None:
-    Member(station, "anna")("edit", action="open", scenario="pool")
+def test_a_client_leaves_without_waiting_for_a_change(anna, station: Station) -> None:
     editor = station.sessions.editor
     leaving = threading.Thread(target=station.left, args=("anna",), daemon=True)
     with editor._lock:  # as while a change is made
@@ -498,11 +493,7 @@ def test_a_client_leaves_without_waiting_for_a_change(station: Station) -> None:
     assert not editor.by
 
 
-def test_what_is_edited_is_served_at_its_own_address_alone(tmp_path: Path) -> None:
-    station = Station(offered="pool", folder=tmp_path)
-    station.connect(node())
-    anna = Member(station, "anna")
-    assert anna("edit", action="open", scenario="pool")["success"]
+def test_what_is_edited_is_served_at_its_own_address_alone(anna, station: Station) -> None:
     seen = anna("edit", action="report")["files"]
     site = Site(station)
     for name in ("terrain.f32", "1/0.glb", "mesh/meshes/wreck.glb.png"):
@@ -510,7 +501,6 @@ def test_what_is_edited_is_served_at_its_own_address_alone(tmp_path: Path) -> No
         for other in (f"/edit/{name}", f"/edit/{'0' * 32}/{name}", f"/edit/{seen[6:-1]}/{name}"):
             with pytest.raises((ValueError, LookupError)):
                 site._made(other)
-    station.sessions.close()
 
 
 def test_a_rebuilt_world_keeps_vehicle_and_time(station: Station, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -565,9 +555,7 @@ def sent(client: Member, name: str, content: bytes, parts: int = 1) -> dict[str,
     return answer
 
 
-def test_a_mesh_is_uploaded_in_parts_replaces_nothing_and_has_a_still(station: Station, tmp_path: Path) -> None:
-    anna = Member(station, "anna")
-    anna("edit", action="open", scenario="pool")
+def test_a_mesh_is_uploaded_in_parts_replaces_nothing_and_has_a_still(anna, station: Station, tmp_path: Path) -> None:
     box = trimesh.creation.box((1, 2, 3))
     content = box.export(file_type="stl")
     files = ("my box.stl", "../my box.stl", "tyre.STL", "tyre.obj.stl")
@@ -583,10 +571,8 @@ def test_a_mesh_is_uploaded_in_parts_replaces_nothing_and_has_a_still(station: S
     still = np.asarray(Image.open(io.BytesIO(station.sessions.editor.meshes.still(named))))
     assert len(np.unique(still.reshape(-1, 3), axis=0)) > 3 and np.ptp(still) > 60  # sides in their own light
     mesh = {"section": "obstacles", "kind": "mesh", "values": {"file": named, "scale": 1}}
-    assert (
-        anna("edit", action="add", at_m=[1, 2], **mesh)["success"]
-        and anna("edit", action="save", name="with_mesh")["is_saved"]
-    )
+    assert anna("edit", action="add", at_m=[1, 2], **mesh)["success"]
+    assert anna("edit", action="save", name="with_mesh")["is_saved"]
     assert load(tmp_path / "with_mesh.yaml").obstacles[-1].file == tmp_path / named
 
 
@@ -601,10 +587,8 @@ def test_a_mesh_is_uploaded_in_parts_replaces_nothing_and_has_a_still(station: S
     ],
 )
 def test_what_is_no_sound_mesh_is_refused_at_the_door(
-    station: Station, tmp_path: Path, name: str, content: bytes, message: str
+    anna, tmp_path: Path, name: str, content: bytes, message: str
 ) -> None:
-    anna = Member(station, "anna")
-    anna("edit", action="open", scenario="pool")
     answer = sent(anna, name, content)
     assert not answer["success"] and message in answer["message"] and str(tmp_path) not in answer["message"]
     assert list(tmp_path.rglob("*.*")) == []

@@ -368,6 +368,20 @@ def test_a_new_field_of_a_model_is_in_the_form_without_a_line_of_the_page(page, 
     forms.cache_clear()
 
 
+def test_a_current_on_a_grid_asks_for_its_file(page, here):
+    page.get_by_label("What to add").select_option("currents")
+    page.get_by_label("Kind").select_option("grid")
+    page.click(".editor-bar >> text=Add")
+    shows(page, ".editor-message", "file: must be named first")
+    cells = [f"{x},{y},{z},0.1,0,0" for x in (-9, 9) for y in (-9, 9) for z in (-5, 0)]
+    here.station.sessions.folder.mkdir(exist_ok=True)
+    (here.station.sessions.folder / "tide.csv").write_text("\n".join(["x_m,y_m,z_m,u_m_s,v_m_s,w_m_s", *cells]))
+    judge(page, "a file that is asked for")
+    page.get_by_label("File", exact=True).fill("tide.csv")
+    page.click(".editor-bar >> text=Add")
+    when(page, "station.editor.part?.kind === 'grid' && station.editor.part.values.file === 'tide.csv'")
+
+
 def test_ctrl_z_undoes_a_field_that_was_sent_and_a_text_that_was_not(page):
     page.click(".editor-table >> text=box")
     field = page.get_by_label("size_m 1")

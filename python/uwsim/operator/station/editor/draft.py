@@ -9,12 +9,11 @@ from typing import Any
 from uwsim.base.texts.yaml_document import dotted
 from uwsim.channels.guest import Values
 from uwsim.exercises.goal import GoalModel
-from uwsim.operator.station.editor.files import EXERCISE, Place, SceneFiles
+from uwsim.operator.station.editor.files import EXERCISE, Place, SceneFiles, is_inherited, raw_parts
 from uwsim.operator.station.editor.forms import SECTIONS, Section, flattened, forms
 from uwsim.operator.station.editor.goal_values import exchanged, first_prop, free_name, goal_values, referring
 from uwsim.operator.station.editor.ground_plan import GroundPlan
 from uwsim.operator.station.editor.values import alone, given, start_values
-from uwsim.operator.station.editor.vehicle_parts import is_inherited, raw_parts
 
 STEPS_MAX = 200
 NAMED = ("obstacles", "objects", "props", "cover", "life", "vehicles")

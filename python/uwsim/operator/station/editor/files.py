@@ -1,7 +1,8 @@
-"""SceneFiles: the texts of an edited scene, its scenario's file and an exercise's beside it."""
+"""SceneFiles: the texts of an edited scene, its scenario's file and an exercise's beside it, and parts in others."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -10,13 +11,16 @@ from uwsim.base.texts.yaml_document import Key, YamlDocument, yaml_document
 from uwsim.exercises import Exercise
 from uwsim.operator.station.editor.yaml_change import block, with_value, without
 from uwsim.scenario import Scenario, ScenarioError
-from uwsim.scenario.read.spec_file import SourceFile
+from uwsim.scenario.read.assets import shown_name
+from uwsim.scenario.read.spec_file import SourceFile, read_yaml, spec_path
 from uwsim.scenario.read.validated import validated
 
 EXERCISE = "exercise"
 SUFFIX = ".exercise.yaml"
 MAX_BYTES = 64_000
 """The largest text that is edited."""
+BASES_MAX = 6
+"""Files of vehicles that build on each other."""
 Place = tuple[Key, ...]
 
 
@@ -99,3 +103,31 @@ def _document(text: str, name: str) -> YamlDocument:
         return yaml_document(text, name)
     except ValueError as error:
         raise ScenarioError(str(error)) from None
+
+
+def raw_parts(values: Mapping[str, Any], place: Place, folder: Path) -> dict[str, Any]:
+    """Return a vehicle's parts by name, as written. place: vehicles, its number, model, and the key of the parts."""
+    return _parts(values["vehicles"][place[1]]["model"], str(place[3]), folder, BASES_MAX)
+
+
+def is_inherited(values: Mapping[str, Any], place: Place) -> bool:
+    """Return whether a part of a vehicle is written in another file than the scenario's."""
+    if place[0] != "vehicles" or len(place) < 5:
+        return False
+    model = values["vehicles"][place[1]]["model"]
+    own = model.get(place[3]) if isinstance(model, Mapping) else None
+    return not isinstance(own, Mapping) or place[4] not in own
+
+
+def _parts(model: Any, key: str, folder: Path, bases: int) -> dict[str, Any]:
+    if isinstance(model, str) and bases > 0:
+        path = spec_path(model, "vehicles", folder)
+        return _parts(read_yaml(path, shown_name(path)).values, key, path.resolve().parent, bases - 1)
+    if not isinstance(model, Mapping):
+        return {}
+    own = model.get(key) or {}
+    if isinstance(own, str):
+        path = spec_path(own, "sensors", folder)
+        return dict(read_yaml(path, shown_name(path)).values.get("sensors") or {})
+    base = _parts(model["builds_on"], key, folder, bases) if "builds_on" in model else {}
+    return {name: part for name, part in {**base, **own}.items() if part is not None}

@@ -8,10 +8,9 @@ from typing import Any
 
 from uwsim.channels.guest import Values
 from uwsim.operator.station.editor.draft import Draft
-from uwsim.operator.station.editor.files import Place
+from uwsim.operator.station.editor.files import Place, is_inherited
 from uwsim.operator.station.editor.forms import SECTIONS
 from uwsim.operator.station.editor.goal_values import choices
-from uwsim.operator.station.editor.vehicle_parts import is_inherited
 from uwsim.scenario import Scenario, start_pose
 
 

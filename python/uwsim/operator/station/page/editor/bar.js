@@ -1,93 +1,72 @@
-// The editor's tools: what to add, undo and redo, and where the scenario goes.
-import { el } from '../dom.js';
-import { sectionName } from './parts.js';
+// The editor's tools: what to add, the brush, undo and redo, and where the scenario goes.
+import { capital } from '../dom.js';
+import { html } from '../vendor/preact.js';
+import { WAYS } from './brush.js';
 
-const button = (text, act, more = {}) => el('button', { type: 'button', onclick: act, ...more }, text);
+const button = (text, act, title = '', more = {}) =>
+  html`<button type="button" title=${title} onClick=${act} ...${more}>${text}</button>`;
 
-export class EditorBar {
-  sections = []; // as in EditForms
-
-  /** @param {import('./brush.js').Brush} brush
-   * @param {Record<'add' | 'remove' | 'earlier' | 'later' | 'undo' | 'redo' | 'revert' | 'turn' | 'fit' | 'save' | 'apply', () => void>} acts
-   */
-  constructor(brush, acts) {
-    this.section = el('select', { 'aria-label': 'What to add', onchange: () => this.#showKinds() });
-    this.kind = el('select', { 'aria-label': 'Kind' });
-    this.vehicle = el('select', { 'aria-label': 'Vehicle' });
-    this.remove = button('Delete', acts.remove, { title: 'Delete, on the chart' });
-    this.earlier = button('Earlier', acts.earlier, {
-      title: ', on the chart: the chosen goal changes places with the one before',
-    });
-    this.later = button('Later', acts.later, {
-      title: '. on the chart: the chosen goal changes places with the one after',
-    });
-    this.undo = button('Undo', acts.undo, { title: 'Ctrl Z' });
-    this.redo = button('Redo', acts.redo, { title: 'Ctrl Y' });
-    this.revert = button('Revert', acts.revert, { title: 'Back to the file as opened or saved; can be undone' });
-    this.turn = button('3D view', acts.turn, { title: 'V', 'aria-pressed': 'false' });
-    this.name = el('input', { type: 'text', autocomplete: 'off', spellcheck: false, maxLength: 40 });
-    this.apply = button('Rebuild the world', acts.apply);
-    this.element = el(
-      'div',
-      { className: 'editor-bar', role: 'toolbar', 'aria-label': 'Tools of the editor' },
-      this.section,
-      this.kind,
-      this.vehicle,
-      button('Add', acts.add),
-      this.remove,
-      this.earlier,
-      this.later,
-      this.undo,
-      this.redo,
-      this.revert,
-      this.turn,
-      button('Fit', acts.fit),
-      brush.element,
-      el('span', { className: 'spring' }),
-      el('label', {}, 'Save as', this.name),
-      button('Save', acts.save, { className: 'primary', title: 'Ctrl S' }),
-      this.apply,
-    );
-  }
-
-  // What the person has chosen to add.
-  get chosen() {
-    return { section: this.section.value, kind: this.kind.value, vehicle: Number(this.vehicle.value) };
-  }
-
-  /** @param {import('../wire/messages.js').EditState} state */
-  show({ vehicles, can_undo, can_redo, is_saved, is_of_running }) {
-    this.revert.disabled = Boolean(is_saved);
-    [this.undo.disabled, this.redo.disabled, this.apply.hidden] = [!can_undo, !can_redo, !is_of_running];
-    const offered = this.sections.filter(({ name }) => name !== 'starts');
-    fill(this.section, Object.fromEntries(offered.map(({ name }) => [name, sectionName(name)])));
-    fill(this.vehicle, { ...vehicles });
-    this.#showKinds();
-  }
-
-  // part: the chosen one, if any.
-  showPart(part) {
-    this.remove.disabled = !part || part.section === 'starts';
-    this.earlier.hidden = this.later.hidden = part?.section !== 'goals';
-  }
-
-  // isScene: whether the 3D view is shown in place of the chart.
-  showScene(isScene) {
-    this.turn.setAttribute('aria-pressed', String(isScene));
-  }
-
-  #showKinds() {
-    const found = this.sections.find(({ name }) => name === this.section.value);
-    const kinds = found?.kinds.map((each) => each.kind).filter(Boolean) ?? [];
-    fill(this.kind, Object.fromEntries(kinds.map((each) => [each, each])));
-    this.kind.hidden = !kinds.length;
-    this.vehicle.hidden = !found?.of_vehicle || this.vehicle.options.length < 2;
-  }
+/** @param {import('./editor.js').SceneEditor} editor */
+export function bar(editor) {
+  const { acts, brush, chosen, part } = editor;
+  const { can_undo, can_redo, is_saved, is_of_running } = editor.state ?? {};
+  const vehicles = editor.state?.vehicles ?? [];
+  const found = editor.offered.find(({ name }) => name === chosen.section);
+  const kinds = found?.kinds.map(({ kind }) => kind).filter(Boolean) ?? [];
+  const isNotGoal = { hidden: part?.section !== 'goals' };
+  return html`
+    ${choice(
+      'What to add',
+      chosen.section,
+      editor.offered.map(({ name, title }) => [name, title]),
+      (section) => editor.choose({ section }),
+    )}
+    ${choice('Kind', chosen.kind, twice(kinds), (kind) => editor.choose({ kind }), { hidden: !kinds.length })}
+    ${choice('Vehicle', chosen.vehicle, Object.entries(vehicles), (vehicle) => editor.choose({ vehicle }), {
+      hidden: !found?.of_vehicle || vehicles.length < 2,
+    })}
+    ${editor.asked.map((field) => file(editor, field))}
+    ${button('Add', acts.add)}
+    ${button('Delete', acts.remove, 'Delete, on the chart', { disabled: !editor.isRemovable })}
+    ${button('Earlier', acts.earlier, ', on the chart: the chosen goal changes places with the one before', isNotGoal)}
+    ${button('Later', acts.later, '. on the chart: the chosen goal changes places with the one after', isNotGoal)}
+    ${button('Undo', acts.undo, 'Ctrl Z', { disabled: !can_undo })}
+    ${button('Redo', acts.redo, 'Ctrl Y', { disabled: !can_redo })}
+    ${button('Revert', acts.revert, 'Back to the file as opened or saved; can be undone', { disabled: is_saved })}
+    ${button('3D view', acts.turn, 'V', { 'aria-pressed': editor.view !== editor.chart })}
+    ${button('Fit', acts.fit)}
+    <span class="editor-brush">
+      ${choice('Brush', brush.way, [['', 'Brush'], ...twice(WAYS.slice(1), capital)], (way) => brush.take({ way }), {
+        title: 'B: the next brush; [ and ]: narrower, wider. Drag on the chart to draw on the bed',
+      })}
+      ${number('Width of the brush [m]', brush.width_m, !brush.isOn, (width_m) => brush.take({ width_m }))}
+      ${number('Height of a stroke [m]', brush.height_m, !brush.isOn || brush.way === 'smooth', (height_m) =>
+        brush.take({ height_m }),
+      )}
+    </span>
+    <span class="spring" />
+    <label>Save as<input type="text" class="editor-name" autocomplete="off" spellcheck="false" maxlength="40" /></label>
+    ${button('Save', acts.save, 'Ctrl S', { class: 'primary' })}
+    ${button('Rebuild the world', acts.apply, '', { hidden: !is_of_running })}
+  `;
 }
 
-// Fill a select with texts by value; its choice stays if it is still offered.
-function fill(select, texts) {
-  const chosen = select.value;
-  select.replaceChildren(...Object.entries(texts).map(([value, text]) => el('option', { value }, text)));
-  if (chosen in texts) select.value = chosen;
-}
+const twice = (values, text = (value) => value) => values.map((value) => [value, text(value)]);
+
+const choice = (label, value, texts, choose, more = {}) => html`
+  <select aria-label=${label} value=${value} onInput=${({ target }) => choose(target.value)} ...${more}>
+    ${texts.map(([each, text]) => html`<option value=${each}>${text}</option>`)}
+  </select>
+`;
+
+const number = (name, value, hidden, set) => html`
+  <input type="number" min="0.1" max="1000" step="any" value=${value} aria-label=${name} title=${name} hidden=${hidden}
+    onInput=${({ target }) => set(Number(target.value))} />
+`;
+
+// The file that a part needs of which none is packaged.
+const file = (editor, { name, meaning }) => html`
+  <input type="text" autocomplete="off" spellcheck="false" key=${name} aria-label=${capital(name)} title=${meaning}
+    placeholder=${name}
+    onInput=${({ target }) => editor.choose({ values: { [name]: target.value.trim() } })} />
+`;

@@ -1,57 +1,50 @@
 // The editor's brush, which draws on the bed of the chart: it raises, lowers or smooths along the pointer's way.
-import { capital, el } from '../dom.js';
+import { signal } from '../vendor/preact.js';
 
-const WAYS = ['', 'raise', 'lower', 'smooth'];
+export const WAYS = ['', 'raise', 'lower', 'smooth'];
 const POINTS_MAX = 200; // of a stroke, as in the scenario's schema
 const STEP = 0.25; // of the width, between points
 const WIDER = 1.25;
 
-const number = (name, value) =>
-  el('input', { type: 'number', min: '0.1', max: '1000', step: 'any', value, 'aria-label': name, title: name });
-
 export class Brush {
+  #now = signal({ way: '', width_m: 10, height_m: 2 });
   /** @type {[number, number][]} */
   line = []; // of the stroke that is being drawn
 
-  constructor() {
-    this.way = el(
-      'select',
-      {
-        'aria-label': 'Brush',
-        title: 'B: the next brush; [ and ]: narrower, wider. Drag on the chart to draw on the bed',
-        onchange: () => this.#show(),
-      },
-      ...WAYS.map((each) => el('option', { value: each }, each ? capital(each) : 'Brush')),
-    );
-    this.width = number('Width of the brush [m]', '10');
-    this.height = number('Height of a stroke [m]', '2');
-    this.element = el('span', { className: 'editor-brush' }, this.way, this.width, this.height);
-    this.#show();
+  take(changes) {
+    this.#now.value = { ...this.#now.value, ...changes };
+  }
+
+  get way() {
+    return this.#now.value.way;
   }
 
   get isOn() {
-    return this.way.value !== '';
+    return this.way !== '';
   }
 
   get width_m() {
-    return Number(this.width.value);
+    return this.#now.value.width_m;
+  }
+
+  get height_m() {
+    return this.#now.value.height_m;
   }
 
   // The fields of a stroke along a line.
   stroke(line_m) {
-    const values = { line_m, width_m: this.width_m };
-    if (this.way.value === 'smooth') return { ...values, height_m: 0, smooth: 1 };
-    return { ...values, height_m: (this.way.value === 'lower' ? -1 : 1) * Number(this.height.value) };
+    const { way, width_m, height_m } = this;
+    if (way === 'smooth') return { line_m, width_m, height_m: 0, smooth: 1 };
+    return { line_m, width_m, height_m: (way === 'lower' ? -1 : 1) * height_m };
   }
 
   // Take up the next brush; after the last, none.
   next() {
-    this.way.selectedIndex = (this.way.selectedIndex + 1) % WAYS.length;
-    this.#show();
+    this.take({ way: WAYS[(WAYS.indexOf(this.way) + 1) % WAYS.length] });
   }
 
   widen(isWider) {
-    this.width.value = String(Number((this.width_m * (isWider ? WIDER : 1 / WIDER)).toPrecision(3)));
+    this.take({ width_m: Number((this.width_m * (isWider ? WIDER : 1 / WIDER)).toPrecision(3)) });
   }
 
   // Go on to a place; the line keeps points that are far enough apart.
@@ -66,10 +59,5 @@ export class Brush {
     const { line } = this;
     this.line = [];
     return line;
-  }
-
-  #show() {
-    this.width.hidden = !this.isOn;
-    this.height.hidden = !this.isOn || this.way.value === 'smooth';
   }
 }

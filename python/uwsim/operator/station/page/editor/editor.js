@@ -1,17 +1,18 @@
 // The scene editor: a chart, a 3D view, a table and a form of one scenario, which the server holds, checks and writes.
 import { openDialog } from '../dialogs/dialog.js';
-import { byId, el, toast, write } from '../dom.js';
+import { byId, draw, el, first, toast, write } from '../dom.js';
+import { html, render, signal } from '../vendor/preact.js';
 import { edit, editForms } from '../wire/messages.js';
-import { EditorBar } from './bar.js';
+import { bar } from './bar.js';
 import { Brush } from './brush.js';
 import { EditorChart } from './chart.js';
-import { PartForm } from './form.js';
+import { form, settle } from './form.js';
 import { placeOf } from './geometry.js';
 import { chartKey, editorKey } from './keys.js';
 import { EditorMeshes } from './meshes.js';
 import { EditedParts } from './parts.js';
 import { EditorScene } from './scene.js';
-import { PartTable } from './table.js';
+import { table, tableKey } from './table.js';
 
 const SEND_MS = 250; // after the last key or notch of the wheel
 const CHECK_MS = 800; // after the last change
@@ -32,6 +33,10 @@ export class SceneEditor {
   scene = null; // made when it is first shown
   #client = ''; // this page's identity when it opened the scenario
   savedName = ''; // under which it was saved since it was opened
+  /** @type {import('../wire/messages.js').FormSection[]} */
+  sections = [];
+  #wanted = signal({ section: '', kind: '', vehicle: 0, values: {} }); // what the person has chosen to add
+  wrong = signal({ name: '', text: '' }); // the field that was refused, and why
   #timers = { send: 0, check: 0 };
   /** @type {Promise<any>} */
   #queue = Promise.resolve();
@@ -61,55 +66,44 @@ export class SceneEditor {
       apply: () => this.#apply(),
     };
     this.brush = new Brush();
-    this.bar = new EditorBar(this.brush, this.acts);
     this.parts = new EditedParts();
     this.chart = new EditorChart(this.parts, fieldsOf, this.brush);
     this.meshes = new EditorMeshes(station.bridge, (path) => station.href(`${this.state?.files}/${path}`));
-    this.form = new PartForm((values) => this.#set(values, true), this.meshes);
-    this.table = new PartTable((index) => this.pick(index), fieldsOf);
-    this.message = el('p', { className: 'editor-message', role: 'status' });
-    this.source = el('pre', { className: 'editor-source', tabIndex: 0 });
     this.parts.addEventListener('pick', (event) => this.pick(/** @type {CustomEvent} */ (event).detail, true));
-    this.parts.addEventListener('draft', (event) => this.form.update(/** @type {CustomEvent} */ (event).detail));
     this.parts.addEventListener('painted', (event) => this.#paint(/** @type {CustomEvent} */ (event).detail));
     this.parts.addEventListener('done', () => this.#sendLater());
-    this.ground = el(
-      'div',
-      {
-        className: 'editor-ground',
-        onkeydown: (event) => chartKey(event, this, this.acts),
-        ondragover: (event) => event.preventDefault(),
-        ondrop: (event) => this.#drop(event),
-      },
-      this.chart.canvas,
-    );
     station.addEventListener('state', () => this.#goOn());
     byId('editor-dialog').addEventListener('close', () => this.#left());
     // On the window, since the element that has the focus may vanish with a change.
     addEventListener('keydown', (event) => this.#isShown && editorKey(event, this.acts));
-    this.element = el(
-      'div',
-      { className: 'editor' },
-      this.bar.element,
-      this.ground,
-      el(
-        'div',
-        { className: 'editor-side' },
-        this.table.element,
-        this.form.element,
-        el('details', { name: 'editor-file' }, el('summary', {}, 'The file'), this.source),
-      ),
-      el(
-        'footer',
-        { className: 'editor-foot' },
-        this.message,
-        el(
-          'p',
-          { className: 'hint' },
-          'Arrows move (Shift 10 m, Alt 0.1 m), Q E turn, Page Up Down raise and lower, N P choose, A adds, V shows 3D, B takes the brush, F2 renames, Delete removes, Enter goes to the form, + − F zoom',
-        ),
-      ),
-    );
+    this.element = el('div', { className: 'editor' });
+    render(this.#frame(), this.element);
+    this.ground = this.#box('ground');
+    this.message = this.#box('message');
+    this.source = this.#box('source');
+    this.ground.append(this.chart.canvas);
+    for (const [name, view] of Object.entries({ bar, table, form }))
+      draw(this.#box(name), () => view(this), [this.parts, 'change']);
+  }
+
+  #box(name) {
+    return first(this.element, `.editor-${name}`);
+  }
+
+  #frame() {
+    const keys =
+      'Arrows move (Shift 10 m, Alt 0.1 m), Q E turn, Page Up Down raise and lower, N P choose, A adds, V shows 3D, B takes the brush, F2 renames, Delete removes, Enter goes to the form, + − F zoom';
+    return html`
+      <div class="editor-bar" role="toolbar" aria-label="Tools of the editor" />
+      <div class="editor-ground" onKeyDown=${(event) => chartKey(event, this, this.acts)}
+        onDragOver=${(event) => event.preventDefault()} onDrop=${(event) => this.#drop(event)} />
+      <div class="editor-side">
+        <div class="editor-table" onKeyDown=${(event) => tableKey(event, this)} />
+        <div class="editor-form" onChange=${settle} />
+        <details name="editor-file"><summary>The file</summary><pre class="editor-source" tabindex="0" /></details>
+      </div>
+      <footer class="editor-foot"><p class="editor-message" role="status" /><p class="hint">${keys}</p></footer>
+    `;
   }
 
   /** Open a scenario, '' for that of the running simulator, null for a new one; the server still has what was not saved. onClose(name):
@@ -125,17 +119,19 @@ export class SceneEditor {
   async #open(scenario, onClose) {
     const { bridge } = this.station;
     try {
-      if (!this.bar.sections.length) {
+      if (!this.sections.length) {
         const found = await editForms(bridge);
         if (!found.success) throw new Error(found.message);
-        this.bar.sections = found.sections;
+        this.sections = found.sections;
       }
       const state = await edit(bridge, requestTo(scenario));
       if (!state.success) throw new Error(state.message);
       [this.savedName, this.#onClose, this.#bed, this.#opened] = ['', onClose, null, scenario];
       [this.parts.selected, this.parts.changes, this.parts.mark, this.#client] = [-1, {}, null, this.station.id];
+      this.#showParts(); // with nothing chosen: stills of the scene before are not there any more
       openDialog(byId('editor-dialog'), `Scene editor: ${state.name}`, this.element);
-      this.bar.name.defaultValue = this.bar.name.value = (state.name ?? '').replace(/\.ya?ml$/, '').replace(/.*\//, '');
+      const input = /** @type {HTMLInputElement} */ (/** @type {unknown} */ (this.#box('name')));
+      input.defaultValue = input.value = (state.name ?? '').replace(/\.ya?ml$/, '').replace(/.*\//, '');
       this.#say(state.message);
       await this.#show(state);
       this.view.canvas.focus();
@@ -191,9 +187,40 @@ export class SceneEditor {
    * @returns {import('../wire/messages.js').FormField[]}
    */
   fieldsOf({ section, kind }) {
-    return (
-      this.bar.sections.find(({ name }) => name === section)?.kinds.find((each) => each.kind === kind)?.fields ?? []
-    );
+    return this.sections.find(({ name }) => name === section)?.kinds.find((each) => each.kind === kind)?.fields ?? [];
+  }
+
+  titleOf(section) {
+    return this.sections.find(({ name }) => name === section)?.title ?? section;
+  }
+
+  // The sections of which a person can add parts.
+  get offered() {
+    return this.sections.filter(({ name }) => name !== 'starts');
+  }
+
+  // What the person has chosen to add, or the first that is offered.
+  get chosen() {
+    const { section, kind, vehicle, values } = this.#wanted.value;
+    const found = this.offered.find(({ name }) => name === section) ?? this.offered[0];
+    const kinds = found?.kinds.map((each) => each.kind) ?? [];
+    const isKind = kinds.includes(kind);
+    return { section: found?.name ?? '', kind: (isKind ? kind : kinds[0]) ?? '', vehicle: Number(vehicle), values };
+  }
+
+  choose(wanted) {
+    this.#wanted.value = { ...this.#wanted.value, values: {}, ...wanted };
+  }
+
+  // The files that it needs, of which none is packaged.
+  get asked() {
+    return this.fieldsOf(this.chosen).filter(({ type, is_required, start }) => {
+      return type === 'file' && is_required && start === null;
+    });
+  }
+
+  get isRemovable() {
+    return Boolean(this.part && this.part.section !== 'starts');
   }
 
   get selected() {
@@ -218,7 +245,7 @@ export class SceneEditor {
     );
     const isScene = this.view === this.chart;
     this.ground.replaceChildren(...(isScene ? this.scene.element : [this.chart.canvas]));
-    this.bar.showScene(isScene);
+    this.#showParts();
     if (isScene) this.#showScene(true, true);
     this.view.reveal();
     this.view.canvas.focus();
@@ -233,6 +260,7 @@ export class SceneEditor {
   pick(index, isOnChart = false) {
     this.#flush();
     this.parts.selected = index;
+    this.refuse();
     this.#showParts();
     if (!isOnChart) this.view.reveal();
   }
@@ -242,7 +270,6 @@ export class SceneEditor {
     this.state = state;
     const { grid, parts } = state;
     if (this.selected >= parts.length) this.parts.selected = -1;
-    this.bar.show(state);
     this.source.textContent = state.text;
     this.#showParts();
     const isNewBed = JSON.stringify(grid) !== JSON.stringify(this.#bed);
@@ -257,11 +284,12 @@ export class SceneEditor {
   }
 
   #showParts() {
-    const parts = this.state?.parts ?? [];
-    this.parts.show(parts, this.selected);
-    this.table.show(parts, this.selected);
-    this.form.show(this.part, this.part ? this.fieldsOf(this.part) : []);
-    this.bar.showPart(this.part);
+    this.parts.show(this.state?.parts ?? [], this.selected);
+  }
+
+  // Show why a field was refused; none without arguments.
+  refuse(name = '', text = '') {
+    this.wrong.value = { name, text };
   }
 
   // Send a request after those before it, and show the answer or the refusal. Return the answer, null after a refusal.
@@ -275,13 +303,13 @@ export class SceneEditor {
         const added = JSON.stringify(state.added?.length ? state.added : null);
         const at = state.parts?.findIndex(({ place }) => JSON.stringify(place) === added) ?? -1;
         if (at >= 0) [this.parts.selected, this.parts.mark] = [at, null];
-        this.form.refuse('', '');
+        this.refuse();
         this.#say(state.message);
         await this.#show(state);
         return state;
       } catch (error) {
         if (!isOfForm) this.#showParts(); // the form keeps what was typed
-        this.form.refuse(field, error.message);
+        this.refuse(field, error.message);
         this.#say(error.message, 'error');
         return null;
       }
@@ -290,7 +318,7 @@ export class SceneEditor {
     return sent;
   }
 
-  #set(values, isOfForm = false) {
+  set(values, isOfForm = true) {
     const { part } = this;
     const [field] = Object.keys(values);
     if (part && field) this.#act({ action: 'set', section: part.section, place: part.place, values }, field, isOfForm);
@@ -305,7 +333,7 @@ export class SceneEditor {
   #flush() {
     clearTimeout(this.#timers.send);
     const { changes } = this.parts;
-    if (Object.keys(changes).length) this.#set(changes);
+    if (Object.keys(changes).length) this.set(changes, false);
   }
 
   // Change values of the selected part, and send them a little later.
@@ -317,9 +345,11 @@ export class SceneEditor {
   async #add() {
     this.#flush();
     const { mark } = this.parts;
-    const at_m = mark && this.view.sees(mark) ? mark : tenths(this.#placeAbout(this.bar.chosen) ?? this.view.middle);
+    const { chosen } = this;
+    const at_m = mark && this.view.sees(mark) ? mark : tenths(this.#placeAbout(chosen) ?? this.view.middle);
+    const values = { ...chosen.values, ...this.#about(chosen) };
     if (this.brush.isOn) this.#paint([at_m]);
-    else await this.#act({ action: 'add', ...this.bar.chosen, at_m, ...this.#about(this.bar.chosen) });
+    else await this.#act({ action: 'add', ...chosen, at_m, values });
     this.view.reveal();
   }
 
@@ -334,7 +364,7 @@ export class SceneEditor {
     const { part } = this;
     const field = chosen.section === 'goals' && part ? ABOUT[part.section] : undefined;
     const isOne = this.fieldsOf(chosen).some(({ name }) => name === field);
-    return part && field && isOne ? { values: { [field]: part.name } } : {};
+    return part && field && isOne ? { [field]: part.name } : {};
   }
 
   // Upload a mesh that was dropped, and add an obstacle of it there.
@@ -364,7 +394,7 @@ export class SceneEditor {
 
   #remove() {
     const { part } = this;
-    if (!part || this.bar.remove.disabled) return;
+    if (!part || !this.isRemovable) return;
     [this.parts.changes, this.parts.selected] = [{}, -1];
     this.#act({ action: 'remove', section: part.section, place: part.place });
   }
@@ -381,7 +411,7 @@ export class SceneEditor {
 
   #save() {
     this.#flush();
-    this.#act({ action: 'save', name: this.bar.name.value.trim() });
+    this.#act({ action: 'save', name: this.#box('name').value.trim() });
   }
 
   #apply() {

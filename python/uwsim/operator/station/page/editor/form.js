@@ -1,7 +1,5 @@
-// The form of a part, with an input for each field of its kind.
-import { all, el, first } from '../dom.js';
-import { html, render } from '../vendor/preact.js';
-import { sectionName } from './parts.js';
+// The form of a part, with an input for each field of its kind, as its schema has it.
+import { html } from '../vendor/preact.js';
 
 const ROWS_MAX = 100; // of a table; longer ones are edited in the file
 
@@ -12,172 +10,127 @@ const shown = (value) =>
 // Text that is no number is sent as it is: the server refuses it, with the reason.
 const numeric = (text) => (text.trim() === '' || Number.isNaN(Number(text)) ? text : Number(text));
 
+// The text that an input had from a state of the scenario. It has another one with the next: what is typed meanwhile
+// stays, also what was refused.
+const marks = new WeakMap();
+const keep = (edition, text) => (input) => {
+  const mark = `${edition} ${text}`;
+  if (!input || marks.get(input) === mark) return;
+  marks.set(input, mark);
+  input.defaultValue = input.value = text;
+};
+
+/** @param {import('./editor.js').SceneEditor} editor */
+export function form(editor) {
+  const part = editor.parts.at(editor.selected);
+  if (!part) return html`<p class="hint">Choose a part on the chart or in the table.</p>`;
+  const edition = editor.state?.edition;
+  return html`
+    <div key=${JSON.stringify(part.place)}>
+      <h3>${editor.titleOf(part.section)}: ${part.name}</h3>
+      ${
+        part.is_inherited &&
+        html`
+          <p class="hint">
+            By default: from the vehicle's own file, or at the station. A change is written into the scenario.
+          </p>
+        `
+      }
+      ${editor.fieldsOf(part).map((field) => fieldset(editor, part, field, (value) => keep(edition, shown(value))))}
+    </div>
+  `;
+}
+
 // A text that was sent is a value, no text of the input's own; see keys.js.
-function sent({ target }) {
+export function settle({ target }) {
   target.defaultValue = target.value;
 }
 
-export class PartForm {
-  #set;
-  #meshes;
+function fieldset(editor, part, field, own) {
+  const { name, unit, meaning, type, width, role } = field;
+  const choices = part.choices[name] ?? (type === 'flag' ? [true, false] : type === 'choice' ? field.choices : null);
+  const given = part.values[name];
+  const send = (value) => editor.set({ [name]: value });
+  const refuse = (error) => editor.refuse(name, error.message);
+  const wrong = editor.wrong.value.name === name ? editor.wrong.value.text : '';
+  const make = type === 'table' ? rows : choices ? choice : type === 'number' && width > 1 ? numbers : single;
+  return html`
+    <fieldset class="editor-field" title=${meaning} data-field=${name} data-wrong=${wrong ? '' : null} key=${name}>
+      <legend>${name}${unit && html`<span class="unit"> ${unit}</span>`}</legend>
+      <div class="editor-inputs">${make({ ...field, choices: choices ?? field.choices }, given, send, own)}</div>
+      <p class="wrong" role="alert">${wrong}</p>
+      ${role === 'mesh' && editor.meshes.list(given, send, refuse)}
+    </fieldset>
+  `;
+}
 
-  // set(values): called with the field that was changed; null for one that is to have its default again. meshes: the
-  // EditorMeshes.
-  constructor(set, meshes) {
-    [this.#set, this.#meshes] = [set, meshes];
-    this.element = el('div', { className: 'editor-form', onchange: sent });
-  }
+function single({ name, type, choices, by_default }, given, send, own) {
+  const change = ({ target: { value } }) =>
+    send(value.trim() === '' ? null : type === 'number' ? numeric(value) : value);
+  const list = choices.length ? `choices-${name}` : null;
+  return html`
+    <input ...${plain} ref=${own(given)} placeholder=${shown(by_default)} aria-label=${name} list=${list}
+      onChange=${change} />
+    ${list && html`<datalist id=${list}>${choices.map((each) => html`<option value=${each} />`)}</datalist>`}
+  `;
+}
 
-  /** @param {any} part
-   * @param {import('../wire/messages.js').FormField[]} fields
-   */
-  show(part, fields) {
-    const focused = /** @type {HTMLElement | null} */ (document.activeElement)?.dataset?.at;
-    const scroll = this.element.scrollTop;
-    this.element.replaceChildren(
-      ...(part
-        ? [
-            el('h3', {}, `${sectionName(part.section)}: ${part.name}`),
-            part.is_inherited
-              ? el(
-                  'p',
-                  { className: 'hint' },
-                  "By default: from the vehicle's own file, or at the station. A change is written into the scenario.",
-                )
-              : '',
-            ...fields.map((field) => this.#field(part, field)),
-          ]
-        : [el('p', { className: 'hint' }, 'Choose a part on the chart or in the table.')]),
-    );
-    this.element.scrollTop = scroll;
-    if (focused) [...all(this.element, '[data-at]')].find((each) => each.dataset.at === focused)?.focus();
-  }
+function numbers({ name, width, by_default }, given, send, own) {
+  const change = ({ target }) => {
+    const inputs = /** @type {HTMLInputElement[]} */ ([...target.parentElement.children]);
+    const isEmpty = inputs.every(({ value }) => value.trim() === '');
+    send(isEmpty ? null : inputs.map(({ value, placeholder }) => numeric(value.trim() === '' ? placeholder : value)));
+  };
+  return Array.from(
+    { length: width },
+    (_, k) => html`
+      <input ...${plain} ref=${own(given?.[k])} placeholder=${shown(by_default?.[k])} aria-label="${name} ${k + 1}"
+        onChange=${change} />
+    `,
+  );
+}
 
-  // Show why a field was refused; '' for none.
-  refuse(name, text) {
-    for (const box of all(this.element, '[data-field]')) {
-      const isIt = box.dataset.field === name && text !== '';
-      box.toggleAttribute('data-wrong', isIt);
-      first(box, '.wrong').textContent = isIt ? text : '';
-    }
-  }
+function choice({ name, choices, by_default, is_required }, given, send, own) {
+  const usual = by_default === null ? '–' : `default: ${shown(by_default)}`;
+  const change = ({ target }) => send(choices.find((value) => String(value) === target.value) ?? null);
+  return html`
+    <select aria-label=${name} ref=${own(given)} onChange=${change}>
+      ${!is_required && html`<option value="">${usual}</option>`}
+      ${choices.map((value) => html`<option value=${String(value)}>${String(value)}</option>`)}
+    </select>
+  `;
+}
 
-  // Show values that are being changed on the chart.
-  update(values) {
-    for (const [name, value] of Object.entries(values))
-      [value].flat(2).forEach((each, k) => {
-        const input = /** @type {HTMLInputElement | undefined} */ (
-          [...all(this.element, '[data-at]')].find(({ dataset }) => dataset.at === `${name} ${k}`)
-        );
-        if (input) input.value = shown(each);
-      });
-  }
-
-  #field(part, field) {
-    const { name, unit, meaning, type, width, role } = field;
-    const choices = part.choices[name];
-    const given = part.values[name];
-    const send = (value) => this.#set({ [name]: value });
-    const inputs =
-      type === 'table'
-        ? [this.#table(field, Array.isArray(given) ? given : [], send)]
-        : type === 'flag' || type === 'choice' || choices
-          ? [this.#choice(choices ? { ...field, choices } : field, given, send)]
-          : type === 'number' && width > 1
-            ? this.#numbers(field, given, send)
-            : [this.#text(field, given, send)];
-    return el(
-      'fieldset',
-      { className: 'editor-field', title: meaning, 'data-field': name },
-      el('legend', {}, name, unit ? el('span', { className: 'unit' }, ` ${unit}`) : null),
-      el('div', { className: 'editor-inputs' }, ...inputs),
-      el('p', { className: 'wrong', role: 'alert' }),
-      ...(role === 'mesh' ? this.#meshes.list(given, send, (error) => this.refuse(name, error.message)) : []),
-    );
-  }
-
-  #text(field, given, send) {
-    const isNumber = field.type === 'number';
-    return el('input', {
-      ...plain,
-      defaultValue: shown(given),
-      placeholder: shown(field.by_default),
-      'aria-label': field.name,
-      'data-at': `${field.name} 0`,
-      onchange: ({ target }) =>
-        send(target.value.trim() === '' ? null : isNumber ? numeric(target.value) : target.value),
-    });
-  }
-
-  #numbers(field, given, send) {
-    const inputs = Array.from({ length: field.width }, (_, k) =>
-      el('input', {
-        ...plain,
-        defaultValue: shown(given?.[k]),
-        placeholder: shown(field.by_default?.[k]),
-        'aria-label': `${field.name} ${k + 1}`,
-        'data-at': `${field.name} ${k}`,
-        onchange: () => {
-          const texts = inputs.map(({ value }) => value);
-          if (texts.every((text) => text.trim() === '')) send(null);
-          else send(inputs.map(({ value, placeholder }) => numeric(value.trim() === '' ? placeholder : value)));
-        },
-      }),
-    );
-    return inputs;
-  }
-
-  #choice(field, given, send) {
-    const choices = field.type === 'flag' ? [true, false] : field.choices;
-    const usual = field.by_default === null ? '–' : `default: ${shown(field.by_default)}`;
-    const select = el(
-      'select',
-      {
-        'aria-label': field.name,
-        'data-at': `${field.name} 0`,
-        onchange: () => send(choices.find((value) => String(value) === select.value) ?? null),
-      },
-      field.is_required ? null : el('option', { value: '' }, usual),
-      ...choices.map((value) => el('option', { value: String(value) }, String(value))),
-    );
-    select.value = shown(given);
-    return select;
-  }
-
-  #table(field, rows, send) {
-    const { name, columns, by_default: usual } = field;
-    if (rows.length > ROWS_MAX) return el('p', { className: 'hint' }, `${rows.length} rows: edit them in the file`);
-    const titles = columns.map((column) =>
-      column.replace(/^(.*?)(_m|_m_s|_deg)?\[(\d)\]$/, (_, word, __, k) => `${word.split('_')[0]} ${'xyz'[k] ?? k}`),
-    );
-    const changed = (k, j, text) => send(rows.map((row, i) => (i === k ? row.with(j, numeric(text)) : row)));
-    const cell = (row, k, j) => html`
+function rows({ name, columns, by_default }, given, send, own) {
+  const list = Array.isArray(given) ? given : [];
+  if (list.length > ROWS_MAX) return html`<p class="hint">${list.length} rows: edit them in the file</p>`;
+  const titles = columns.map((column) =>
+    column.replace(/^(.*?)(_m|_m_s|_deg)?\[(\d)\]$/, (_, word, __, k) => `${word.split('_')[0]} ${'xyz'[k] ?? k}`),
+  );
+  const changed = (k, j, value) => send(list.map((row, i) => (i === k ? row.with(j, numeric(value)) : row)));
+  const cell = (row, k, j) => html`
+    <td>
+      <input ...${plain} ref=${own(row[j])} aria-label="${name} ${k + 1}: ${titles[j]}"
+        onChange=${({ target }) => changed(k, j, target.value)} />
+    </td>
+  `;
+  const line = (row, k) => html`
+    <tr>
+      ${columns.map((_, j) => cell(row, k, j))}
       <td>
-        <input ...${plain} defaultValue=${shown(row[j])} aria-label="${name} ${k + 1}: ${titles[j]}"
-          data-at="${name} ${k * columns.length + j}" onChange=${({ target }) => changed(k, j, target.value)} />
+        <button type="button" aria-label="Remove row ${k + 1}" onClick=${() => send(list.toSpliced(k, 1))}>✕</button>
       </td>
-    `;
-    const line = (row, k) => html`
-      <tr>
-        ${columns.map((_, j) => cell(row, k, j))}
-        <td>
-          <button type="button" aria-label="Remove row ${k + 1}" onClick=${() => send(rows.toSpliced(k, 1))}>✕</button>
-        </td>
-      </tr>
-    `;
-    const next = () =>
-      rows.length
-        ? rows[rows.length - 1].map((value, j) => (j === 0 ? value + 1 : value))
-        : usual.map((value) => value ?? 0);
-    const table = html`
+    </tr>
+  `;
+  const next = () =>
+    list.at(-1)?.map((value, j) => (j === 0 ? value + 1 : value)) ?? by_default.map((value) => value ?? 0);
+  return html`
+    <div class="editor-rows">
       <table>
         <thead><tr>${titles.map((title) => html`<th scope="col">${title}</th>`)}<td /></tr></thead>
-        <tbody>${rows.map(line)}</tbody>
+        <tbody>${list.map(line)}</tbody>
       </table>
-      <button type="button" data-at="${name} add" onClick=${() => send([...rows, next()])}>Add a row</button>
-    `;
-    const box = el('div', { className: 'editor-rows' });
-    render(table, box);
-    return box;
-  }
+      <button type="button" onClick=${() => send([...list, next()])}>Add a row</button>
+    </div>
+  `;
 }

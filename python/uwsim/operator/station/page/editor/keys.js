@@ -73,6 +73,6 @@ function actOf({ key, shiftKey, altKey }, editor, acts) {
       : raise && raised(shown, fields, raise * step);
   if (values) return () => editor.change(values);
   if (key === 'Delete') return acts.remove;
-  if (key === 'F2') return () => first(editor.form.element, '[data-field$=name] input')?.focus();
-  return key === 'Enter' ? () => first(editor.form.element, 'input, select')?.focus() : null;
+  if (key === 'F2') return () => first(editor.element, '.editor-form [data-field$=name] input')?.focus();
+  return key === 'Enter' ? () => first(editor.element, '.editor-form :is(input, select)')?.focus() : null;
 }

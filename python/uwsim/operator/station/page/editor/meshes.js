@@ -1,15 +1,15 @@
 // The editor's list of meshes with stills, and their upload.
-import { el } from '../dom.js';
+import { html, signal } from '../vendor/preact.js';
 import { edit } from '../wire/messages.js';
 
 const PART_BYTES = 384 * 1024; // of a message
 const TYPES = '.glb,.obj,.stl,.ply';
+const UPLOAD = 'Upload a mesh (.glb, .obj, .stl, .ply), or drop it on the chart';
 
 export class EditorMeshes {
   #bridge;
   #href;
-  /** @type {string[] | null} */
-  #names = null;
+  #names = signal(/** @type {string[] | null} */ (null)); // null: to be asked for
   /** @type {Map<string, string>} */
   #lost = new Map(); // what an upload did not take along, by mesh
 
@@ -20,40 +20,24 @@ export class EditorMeshes {
 
   // A list of the meshes, of which one is given. pick(name): called with another one.
   list(given, pick, refuse) {
-    const box = el('div', { className: 'editor-stills', role: 'group', 'aria-label': 'Meshes' });
-    const still = (name) =>
-      el(
-        'button',
-        { type: 'button', 'aria-pressed': String(name === given), title: name, onclick: () => pick(name) },
-        el('img', { src: this.#href(`mesh/${name}.png`), alt: nameOf(name), loading: 'lazy' }),
-        el('span', {}, nameOf(name)),
-      );
-    const input = el('input', {
-      type: 'file',
-      accept: TYPES,
-      'aria-label': 'Upload a mesh (.glb, .obj, .stl, .ply), or drop it on the chart',
-      onchange: ({ target }) => this.upload(target.files[0]).then(pick, refuse),
-    });
-    this.#known()
-      .then((names) => box.replaceChildren(...names.map(still)))
-      .catch(refuse);
-    const lost = el('p', { className: 'hint', role: 'status' }, this.#lost.get(given) ?? '');
-    return [
-      box,
-      el(
-        'label',
-        { className: 'editor-upload' },
-        'Upload a mesh (.glb, .obj, .stl, .ply), or drop it on the chart',
-        input,
-      ),
-      lost,
-    ];
+    if (!this.#names.value) this.#ask().catch(refuse);
+    const still = (name) => html`
+      <button type="button" aria-pressed=${name === given} title=${name} onClick=${() => pick(name)}>
+        <img src=${this.#href(`mesh/${name}.png`)} alt=${nameOf(name)} loading="lazy" />
+        <span>${nameOf(name)}</span>
+      </button>
+    `;
+    const upload = ({ target }) => this.upload(target.files[0]).then(pick, refuse);
+    return html`
+      <div class="editor-stills" role="group" aria-label="Meshes">${(this.#names.value ?? []).map(still)}</div>
+      <label class="editor-upload">${UPLOAD}<input type="file" accept=${TYPES} aria-label=${UPLOAD} onChange=${upload} /></label>
+      <p class="hint" role="status">${this.#lost.get(given) ?? ''}</p>
+    `;
   }
 
-  async #known() {
-    const names = this.#names ?? (await accepted(edit(this.#bridge, { action: 'meshes' }))).meshes ?? [];
-    this.#names = names;
-    return names;
+  async #ask() {
+    const { meshes } = await accepted(edit(this.#bridge, { action: 'meshes' }));
+    this.#names.value = meshes ?? [];
   }
 
   // Send a file in parts; return the name by which a scenario knows it. Throws an Error with the server's reason.
@@ -64,7 +48,7 @@ export class EditorMeshes {
       const data = await base64(file.slice(at, at + PART_BYTES));
       answer = await accepted(edit(this.#bridge, { action: 'upload', name, size, at, data }));
     }
-    this.#names = null;
+    this.#names.value = null;
     if (answer?.lost) this.#lost.set(answer.mesh, answer.lost);
     return answer?.mesh ?? '';
   }

@@ -1,26 +1,6 @@
 // The parts of the edited scenario, the chosen one, and what is not yet sent. The chart and the 3D view both show it.
-import { capital } from '../dom.js';
 
-/** @type {Record<string, string>} */
-const SECTIONS = {
-  cover: 'Cover and growth',
-  exercise_start: 'Start in the exercise',
-  layout: 'Props moved by the seed',
-  life: 'Fish',
-  objects: 'Loose bodies',
-  optics: 'Light',
-  starts: 'Start',
-  strokes: 'Drawn on the bed',
-  surface: 'Waves',
-  terrain: 'Bed',
-};
-
-/** What a section of the scenario is called, by its name in the file.
- * @type {(section: string) => string}
- */
-export const sectionName = (section) => SECTIONS[section] ?? capital(section.replaceAll('_', ' '));
-
-// Events: 'pick' (detail: a part's index, or -1), 'draft' (detail: values of the chosen part while they change), 'done'
+// Events: 'pick' (detail: a part's index, or -1), 'done'
 // (the change is to be sent), 'painted' (detail: the line of a stroke), 'change' (what is shown has changed).
 export class EditedParts extends EventTarget {
   /** @type {import('../wire/messages.js').EditedPart[]} */
@@ -54,7 +34,6 @@ export class EditedParts extends EventTarget {
 
   change(values) {
     this.changes = { ...this.changes, ...values };
-    this.dispatchEvent(new CustomEvent('draft', { detail: values }));
     this.#changed();
   }
 
