@@ -148,7 +148,7 @@ def score(
     """
     from rich.console import Console
 
-    from uwsim.figures.map_errors import draw_map_errors
+    from uwsim.figures.map_plans import draw_map_errors
     from uwsim.scoring.score_map_file import score_map_file, score_table, write_score_json
 
     scored = score_map_file(source, scenario, track, origin, area)
@@ -204,7 +204,7 @@ def diff(
 
     The maps must have the same resolution. With --out, the voxels are also drawn.
     """
-    from uwsim.figures.map_difference import draw_map_difference
+    from uwsim.figures.map_plans import draw_map_difference
     from uwsim.mapping.changes import STATES, map_difference
     from uwsim.mapping.files.map_files import open_map
 
@@ -247,9 +247,9 @@ def slice_(
 
     It shows occupied, free and unknown voxels. Pass one of --x, --y, --z.
     """
-    from uwsim.figures.map_slice import draw_map_slice
+    from uwsim.figures.map_plans import draw_map_slice
     from uwsim.mapping.files.map_files import open_map
-    from uwsim.mapping.slice import slice_map
+    from uwsim.mapping.info import slice_map
 
     given = [(axis, at) for axis, at in (("x", x), ("y", y), ("z", z)) if at is not None]
     if len(given) != 1:

@@ -26,8 +26,7 @@ from uwsim.scenario.read.cast_file import (
     number,
     numbers_of,
 )  # fmt: skip
-from uwsim.scenario.read.cast_levels import Columns
-from uwsim.scenario.read.cast_quantity import LATITUDE_DEG, PRESSURE, depth_at_m
+from uwsim.scenario.read.cast_levels import LATITUDE_DEG, PRESSURE, Columns, depth_at_m
 from uwsim.scenario.read.netcdf_file import CLASSIC, SIGNATURE, read_netcdf
 
 Floats = NDArray[np.float64]

@@ -13,7 +13,7 @@ from uwsim.figures.pinhole_view import view_of_box
 from uwsim.figures.render_3d import Subject, cast_at_cubes, render
 from uwsim.figures.style import HEIGHTS, INK, PIXELS_PER_INCH, height_range, new_figure, save_figure
 from uwsim.mapping import OccupancyMap
-from uwsim.mapping.occupied_cubes import occupied_cubes
+from uwsim.mapping.info import occupied_cubes
 
 MAX_CUBES = 3_000_000
 """Maximum number of cubes; a map with more voxels is drawn with larger cubes."""

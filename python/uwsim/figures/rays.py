@@ -13,8 +13,7 @@ from matplotlib.colors import Normalize
 
 from uwsim.base.atomic_file import write_atomically
 from uwsim.figures.style import ACCENT, FAINT_INK, INK, add_colour_bar, label_axes, new_figure, save_figure
-from uwsim.instruments.acoustics.ray_paths import ray_path
-from uwsim.instruments.acoustics.rays_between import RaysBetween
+from uwsim.instruments.acoustics.rays_between import RaysBetween, ray_path
 
 LEVELS = matplotlib.colormaps["viridis"]
 

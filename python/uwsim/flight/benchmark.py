@@ -19,7 +19,7 @@ from uwsim.scenario.read.spec_file import read_spec
 from uwsim.scenario.read.validated import validated
 from uwsim.scenario.spec.fields import InRange, Model, Name, Point3, broken
 from uwsim.scenario.spec.scenario import Scenario
-from uwsim.scoring.score_json import write_json
+from uwsim.scoring.score_text import write_json
 
 FOLDER, SUBMISSION = "benchmarks", "submission.json"
 SEEDS, HELD_OUT = range(30), range(1000, 1030)

@@ -34,7 +34,7 @@ from uwsim.flight.summary import vehicle_values
 from uwsim.missions.run import MissionFunction
 from uwsim.scenario import AnyScenario, Scenario, load
 from uwsim.scenario.fingerprint import build_fingerprint, scenario_fingerprint
-from uwsim.scoring.score_json import write_json
+from uwsim.scoring.score_text import write_json
 from uwsim.simulator.simulator import Simulator
 
 TABLE, VALUES, FIGURE = "compare.csv", "compare.json", "compare.png"

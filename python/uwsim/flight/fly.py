@@ -31,10 +31,10 @@ from uwsim.flight.results import require_report
 from uwsim.flight.setup import Setup
 from uwsim.flight.terminal import Silent
 from uwsim.mapping import MapEngine, OccupancyMap
-from uwsim.missions.mission import R_co
+from uwsim.missions.run import R_co
 from uwsim.scenario import AnyScenario, Scenario, Survey, load
 from uwsim.scenario.read.validated import validated
-from uwsim.scoring.surface_ahead import SurfaceAhead
+from uwsim.scoring.true_surface import SurfaceAhead
 from uwsim.simulator.simulator import Simulator
 
 

@@ -24,9 +24,8 @@ from uwsim.flight.flyable_lanes import (
 from uwsim.flight.mission_file import FUNCTION, load_mission, mission_name, with_arguments
 from uwsim.missions import COVERED, AdaptiveLawnMower, LawnMowerPlan, Mission, StoppedError
 from uwsim.missions.field import is_mission_file
-from uwsim.missions.mission import R_co, SteppedMission
 from uwsim.missions.own_vehicle import OwnVehicle
-from uwsim.missions.run import MissionFunction, first_parameter, made, steps_of
+from uwsim.missions.run import MissionFunction, R_co, SteppedMission, first_parameter, made, steps_of
 from uwsim.missions.steps import Steps, drive
 from uwsim.missions.unrun_steps import require_steps_run
 from uwsim.navigation.control.protocols import Clock, SurveyVehicle

@@ -23,7 +23,7 @@ from uwsim.mapping.ranging import place_deviation_m
 from uwsim.missions.own_vehicle import OwnVehicle
 from uwsim.scenario import Scenario, ScenarioError
 from uwsim.scenario.build.multibeam import map_voxel_m, ping_chain
-from uwsim.scoring.surface_ahead import SurfaceAhead
+from uwsim.scoring.true_surface import SurfaceAhead
 from uwsim.simulator.simulator import Simulator
 
 PING_RATE_HZ = 10.0  # for scenarios without a survey

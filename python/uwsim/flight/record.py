@@ -13,8 +13,8 @@ from uwsim.flight.log import PingSample
 from uwsim.flight.samples import Samples
 from uwsim.mapping import MapEngine, OccupancyMap
 from uwsim.mapping.map_filler import MAPPING, VERIFICATION, WAITING
-from uwsim.missions.mission import R_co
 from uwsim.missions.own_vehicle import Event
+from uwsim.missions.run import R_co
 from uwsim.scoring.map_score import MapScore
 from uwsim.scoring.sounding_quality import SoundingQuality
 from uwsim.scoring.survey_track import SurveyTrack

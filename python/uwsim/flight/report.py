@@ -22,8 +22,8 @@ from uwsim.figures.flight import (
     draw_track,
 )
 from uwsim.figures.html_page import data_uri, filled_page
-from uwsim.figures.map_errors import draw_map_errors
 from uwsim.figures.map_from_above import draw_map_from_above
+from uwsim.figures.map_plans import draw_map_errors
 from uwsim.figures.sonar_fan import sonar_fan
 from uwsim.figures.truth_and_map import TruthAndMap, draw_truth_and_map, render_truth_and_map
 from uwsim.flight.record import FlightRecord

@@ -22,9 +22,9 @@ from uwsim.mapping import OccupancyMap
 from uwsim.mapping.files.georeference import Georeference
 from uwsim.scenario.georeference import georeference
 from uwsim.scoring.map_score import MapScore, score_map
-from uwsim.scoring.score_json import write_json
-from uwsim.scoring.surface_ahead import SurfaceAhead
+from uwsim.scoring.score_text import write_json
 from uwsim.scoring.survey_track import TRACK
+from uwsim.scoring.true_surface import SurfaceAhead
 from uwsim.simulator.link_traffic import text_table
 from uwsim.simulator.simulator import Simulator
 

@@ -14,8 +14,7 @@ from uwsim.flight.log import PANEL_WARNINGS
 from uwsim.flight.record import FlightRecord
 from uwsim.flight.samples import PERIOD_S, Samples
 from uwsim.scoring.map_score import MapScore
-from uwsim.scoring.score_json import score_values
-from uwsim.scoring.score_text import coverage_text, distance_text, score_rows
+from uwsim.scoring.score_text import coverage_text, distance_text, score_rows, score_values
 
 WARNING_TEXTS = {"range": "range warning lit", "proximity": "proximity warning lit", "collision": "in contact"}
 ENOUGH_PERCENT = 95.0

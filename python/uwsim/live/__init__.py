@@ -4,8 +4,7 @@ from uwsim.base.commands import COMMANDS
 from uwsim.live.clock import LiveClock, MissionClock
 from uwsim.live.command_log import CommandLog, Entry, replay
 from uwsim.live.live_simulator import ACTS, PACE_ACTS, LiveSimulator
-from uwsim.live.requests import NotRunningError
-from uwsim.live.subscription import Subscription
+from uwsim.live.requests import NotRunningError, Subscription
 from uwsim.live.vehicle import LiveVehicle
 
 __all__ = [

@@ -17,9 +17,8 @@ from uwsim.base.commands import ALL_STOP, COMMANDS, bound_command
 from uwsim.live.clock import LiveClock, MissionClock
 from uwsim.live.command_log import CALL, RESET, CommandLog
 from uwsim.live.pace import Pace, Speed
-from uwsim.live.requests import Request
+from uwsim.live.requests import Request, Subscription
 from uwsim.live.step_loop import StepLoop
-from uwsim.live.subscription import Subscription
 from uwsim.live.vehicle import LiveVehicle
 from uwsim.scenario import AnyScenario
 from uwsim.simulator.simulator import Simulator

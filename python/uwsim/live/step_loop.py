@@ -14,11 +14,9 @@ from typing import Any, TypeVar
 
 from uwsim.base.agenda import Rank, act, due_tick
 from uwsim.base.commands.table import SERVO_FRAMES
-from uwsim.live.alarm import Alarm
 from uwsim.live.command_log import CALL, RESET, CommandLog, Entry
 from uwsim.live.pace import Pace
-from uwsim.live.requests import NotRunningError, Request
-from uwsim.live.subscription import Subscription
+from uwsim.live.requests import Alarm, NotRunningError, Request, Subscription
 from uwsim.simulator.simulator import Simulator
 
 T = TypeVar("T")

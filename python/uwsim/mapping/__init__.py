@@ -9,9 +9,8 @@ world = OccupancyMap.read("lake.bt")
 from uwsim.mapping.body import body_points, poses_along
 from uwsim.mapping.distance_field import DistanceField
 from uwsim.mapping.frontier import Frontier, frontiers
-from uwsim.mapping.map_options import ENGINES, INSTRUCTION_SETS, InstructionSet, MapEngine, OnOutside
+from uwsim.mapping.map_options import ENGINES, INSTRUCTION_SETS, InstructionSet, MapEngine, OccupancyModel, OnOutside
 from uwsim.mapping.occupancy_map import MapFormat, OccupancyMap
-from uwsim.mapping.occupancy_model import OccupancyModel
 from uwsim.mapping.query_results import (
     Cubes,
     MapChanges,

@@ -1,11 +1,33 @@
-"""The engines and other options of an OccupancyMap, as names, and the core's options for them."""
+"""The options of an OccupancyMap: OctoMap's sensor model, and engines by name, with the core's options for them."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Literal
 
+import numpy as np
+from numpy.typing import NDArray
+
 from uwsim import _core
-from uwsim.mapping.occupancy_model import OccupancyModel
+
+
+@dataclass(frozen=True)
+class OccupancyModel:
+    """OctoMap's sensor model (Hornung et al. 2013) as probabilities; the defaults are OctoMap's.
+
+    hit: probability that a voxel with a point in it is occupied, in [0.5, 1). miss: the same for a voxel that a ray
+    passes through, in (0, 0.5]. clamping: the lowest and the highest probability that scans can give a voxel.
+    """
+
+    hit: float = 0.7
+    miss: float = 0.4
+    clamping: tuple[float, float] = (0.1192, 0.971)
+
+
+def probability(log_odds: NDArray[np.float32]) -> NDArray[np.float64]:
+    """Return 1 / (1 + exp(-log_odds)); NaN stays NaN."""
+    return 1.0 / (1.0 + np.exp(-log_odds.astype(np.float64)))
+
 
 MapEngine = Literal["bricks", "octomap"]
 InstructionSet = Literal["best", "portable", "avx2", "avx512"]

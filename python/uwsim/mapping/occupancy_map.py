@@ -15,8 +15,7 @@ from uwsim import _core
 from uwsim.base.own_files import require_own
 from uwsim.base.sealed import Sealed
 from uwsim.mapping.files.formats import MAP_FORMATS
-from uwsim.mapping.map_options import InstructionSet, MapEngine, OnOutside, map_options
-from uwsim.mapping.occupancy_model import OccupancyModel, probability
+from uwsim.mapping.map_options import InstructionSet, MapEngine, OccupancyModel, OnOutside, map_options, probability
 from uwsim.mapping.other_trees import HEADER_BYTES, as_octree
 from uwsim.mapping.query_results import (
     Cubes,

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.base.short_repr import ShortRepr
-from uwsim.mapping.occupancy_model import probability
+from uwsim.mapping.map_options import probability
 
 
 class VoxelCounts(NamedTuple):

@@ -1,16 +1,14 @@
 """Missions: Python programs that fly a vehicle in simulated time. See docs/guides/missions.md for how to write one."""
 
-from uwsim.missions.aiming import aim_to
 from uwsim.missions.heights import YoYo
 from uwsim.missions.lanes import Lane, lawn_mower_lanes
 from uwsim.missions.lawn_mower import COVERED, AdaptiveLawnMower, mow
 from uwsim.missions.lawn_mower_plan import LawnMowerPlan
-from uwsim.missions.mission import Mission
 from uwsim.missions.moves import dive_to, follow, goto, hold, turn_to, visit
 from uwsim.missions.own_vehicle import Event, OwnVehicle
-from uwsim.missions.run import begin, run
+from uwsim.missions.run import Mission, begin, run
 from uwsim.missions.shoal_chart import ObstacleMemory
-from uwsim.missions.steps import Steps, StoppedError, Wait, drive, parallel, race, until, wait
+from uwsim.missions.steps import Steps, StoppedError, Wait, aim_to, drive, parallel, race, until, wait
 from uwsim.missions.tether_home import follow_tether
 from uwsim.missions.vehicle import Vehicle
 

@@ -23,14 +23,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.base.sealed import Sealed
-from uwsim.missions.aiming import is_at
 from uwsim.missions.heights import HIGHEST_Z_M
 from uwsim.missions.lane_curves import LaneCurves, LegName, LegStart, MowerState, is_under_way, slips
 from uwsim.missions.lanes import LANE_FLOWN, LANES_FLOWN, LEAST_FLOWN, Lane, LaneEnd, lane_values, not_flown_because
 from uwsim.missions.lawn_mower_plan import LawnMowerPlan, SlowPlanWarning, missing_for_lanes
 from uwsim.missions.lookout import Lookout
 from uwsim.missions.own_vehicle import OwnVehicle, own_vehicle
-from uwsim.missions.steps import Steps, StoppedError, drive
+from uwsim.missions.steps import Steps, StoppedError, drive, is_at
 from uwsim.missions.vehicle import Vehicle
 from uwsim.missions.water_ahead import TURN_RANGE_M, is_water_ahead
 from uwsim.navigation.control.autopilot import wrap_angle

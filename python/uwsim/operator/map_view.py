@@ -19,7 +19,7 @@ from uwsim.channels.ros import build
 from uwsim.channels.ros.messages import to_plain
 from uwsim.channels.ros.own_types import MAP_CHANGES
 from uwsim.mapping import OccupancyChanges, OccupancyMap
-from uwsim.mapping.occupied_cubes import occupied_cubes
+from uwsim.mapping.info import occupied_cubes
 from uwsim.mapping.voxel_keys import voxel_keys
 from uwsim.operator.framed import LOCAL_PAGES, Framed
 from uwsim.operator.station.site.answers import TYPES, File, answer, frame, is_foreign, not_found, page_file

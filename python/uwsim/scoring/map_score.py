@@ -17,8 +17,7 @@ from uwsim import _core
 from uwsim.mapping.depth_grid import depth_grid
 from uwsim.mapping.voxel_keys import are_in, pack_keys, sorted_unique, unpack_keys, voxel_centres_m
 from uwsim.scoring.seabed_comparison import SeabedComparison, compare_seabed
-from uwsim.scoring.surface_ahead import SurfaceAhead
-from uwsim.scoring.true_surface import SurfaceSamples, surface_tile_jobs
+from uwsim.scoring.true_surface import SurfaceAhead, SurfaceSamples, surface_tile_jobs
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")

@@ -15,8 +15,7 @@ from uwsim.mapping.files.map_files import open_map
 from uwsim.scenario import Scenario, build_world, load
 from uwsim.scenario.build.multibeam import multibeam_model
 from uwsim.scoring.map_score import MapScore, score_map
-from uwsim.scoring.score_json import score_values, write_json
-from uwsim.scoring.score_text import order_rows, score_rows
+from uwsim.scoring.score_text import order_rows, score_rows, score_values, write_json
 from uwsim.scoring.survey_track import TRACK, SurveyTrack
 
 

@@ -11,7 +11,7 @@ from channel_tools import chain, stamp_ns, table
 from uwsim import Simulator
 from uwsim.channels import Table
 from uwsim.channels.delivery.pictures import Stream
-from uwsim.instruments.cameras.rectify import rectify
+from uwsim.instruments.cameras.lens import rectify
 from uwsim.scenario.spec.camera import FlatPort
 
 BED_Z_M = -5.0

@@ -8,7 +8,7 @@ import pytest
 from pool_maps import VOXEL_M, read_figure, uwsim_map, write_pool_maps
 from uwsim.figures import map_render
 from uwsim.mapping import OccupancyMap
-from uwsim.mapping.occupied_cubes import occupied_cubes
+from uwsim.mapping.info import occupied_cubes
 
 
 @pytest.fixture(scope="module")

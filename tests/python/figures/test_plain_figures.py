@@ -19,7 +19,7 @@ from uwsim.campaigns.sweeps.sensitivity import Sensitivity
 from uwsim.figures.comparison import draw_comparison, draw_divergence
 from uwsim.figures.exercise import draw_errors, draw_exercise_track
 from uwsim.figures.flight import draw_power, draw_track
-from uwsim.figures.map_difference import draw_map_difference
+from uwsim.figures.map_plans import draw_map_difference
 from uwsim.figures.map_render import Viewpoint, draw_map
 from uwsim.figures.rays import draw_rays
 from uwsim.figures.scene import draw_scene

@@ -16,7 +16,7 @@ from uwsim.evidence.validate import sound
 from uwsim.evidence.validate.reality import soundings
 from uwsim.evidence.validate.sound import computed, counterparts, kept_cases
 from uwsim.instruments.acoustics import arrivals
-from uwsim.instruments.acoustics.ray_paths import ray_path
+from uwsim.instruments.acoustics.rays_between import ray_path
 
 SURVEYS = Path(__file__).parents[4] / "shared/reality/gsf"
 

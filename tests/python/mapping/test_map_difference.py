@@ -10,7 +10,7 @@ from pool_maps import VOXEL_M, read_figure, uwsim_map, write_pool_maps
 from uwsim.cli.map import app
 from uwsim.mapping import OccupancyMap
 from uwsim.mapping.changes import map_difference
-from uwsim.mapping.slice import slice_map
+from uwsim.mapping.info import slice_map
 
 
 @pytest.fixture(scope="module")

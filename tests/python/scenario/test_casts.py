@@ -12,7 +12,7 @@ from uwsim import _core
 from uwsim.scenario import ScenarioError
 from uwsim.scenario.build.water import build_water
 from uwsim.scenario.read.cast_file import Cast, read_cast
-from uwsim.scenario.read.cast_quantity import depth_at_m
+from uwsim.scenario.read.cast_levels import depth_at_m
 from uwsim.scenario.read.errors import CastWarning
 from uwsim.scenario.read.validated import validated
 from uwsim.scenario.spec.water import Water

@@ -6,7 +6,7 @@ import pytest
 from uwsim import _core
 from uwsim.scoring import true_surface
 from uwsim.scoring.map_score import MapScore, score_map
-from uwsim.scoring.surface_ahead import SurfaceAhead
+from uwsim.scoring.true_surface import SurfaceAhead
 
 VOXEL_M = 0.5
 AREA = np.array([[-5.0, -5.0], [5.0, -5.0], [5.0, 5.0], [-5.0, 5.0]])

@@ -24,7 +24,7 @@ from uwsim.mapping import OccupancyMap
 from uwsim.mapping.merge import merge_files
 from uwsim.scenario import Scenario, ScenarioError, build_terrain, load
 from uwsim.scenario.fingerprint import build_fingerprint, scenario_fingerprint
-from uwsim.scoring.score_json import write_json
+from uwsim.scoring.score_text import write_json
 from uwsim.simulator.simulator import Simulator
 
 MAP, SUMMARY, FIGURE = "map.bt", "summary.json", "tiles.png"

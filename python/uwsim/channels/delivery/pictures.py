@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.instruments.cameras import Camera, Frame
-from uwsim.instruments.cameras.rectify import rectify
+from uwsim.instruments.cameras.lens import rectify
 from uwsim.simulator.simulator import Simulator
 
 T = TypeVar("T")

@@ -108,3 +108,16 @@ def _finite_points(points_m: ArrayLike) -> NDArray[np.floating]:
         first = int(np.argmax(bad))
         raise ValueError(f"points_m[{first}] = {points[first]} m: must be finite")
     return points if points.dtype == np.float32 else points.astype(np.float64)
+
+
+FINEST_M = 1e-3
+
+
+def rounded(points_m: NDArray[np.floating]) -> NDArray[np.floating]:
+    """Return finite points (n, 3), little-endian and C-ordered: float32, as most programs expect.
+
+    float64 if that would move a point by more than a millimetre, as it does 16 km from zero, in georeferenced clouds.
+    """
+    with np.errstate(over="ignore"):
+        single = np.ascontiguousarray(points_m, "<f4")
+    return single if np.abs(single - points_m).max() <= FINEST_M else np.ascontiguousarray(points_m, "<f8")

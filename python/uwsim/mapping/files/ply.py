@@ -11,7 +11,7 @@ import re
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim.mapping.files.float32 import rounded
+from uwsim.mapping.files.cloud_files import rounded
 from uwsim.mapping.files.formats import CloudFormat
 
 HEADER = """\

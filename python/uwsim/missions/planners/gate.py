@@ -16,10 +16,9 @@ import numpy as np
 
 from uwsim.base.arguments import require_positive
 from uwsim.base.arrays import Floats
-from uwsim.missions.aiming import until_at
 from uwsim.missions.moves import goto, hold, turn_to
 from uwsim.missions.own_vehicle import OwnVehicle
-from uwsim.missions.steps import Steps, StoppedError
+from uwsim.missions.steps import Steps, StoppedError, until_at
 from uwsim.navigation.control.protocols import PingLike
 from uwsim.navigation.sensor_choice import height_above_bed_m
 

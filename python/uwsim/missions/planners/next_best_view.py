@@ -15,13 +15,12 @@ from numpy.typing import NDArray
 
 from uwsim.mapping import DistanceField, frontiers
 from uwsim.mapping.ranging import transform_points
-from uwsim.missions.aiming import aim_to
 from uwsim.missions.moves import require_able, turn_to
 from uwsim.missions.own_vehicle import OwnVehicle
 from uwsim.missions.planners.cells import Cells
 from uwsim.missions.planners.live_map import LiveMap
 from uwsim.missions.planners.map_way import go_by_map
-from uwsim.missions.steps import Steps, StoppedError, race, wait
+from uwsim.missions.steps import Steps, StoppedError, aim_to, race, wait
 
 RESOLUTION_M, PING_PERIOD_S, CLEARANCE_M = 0.4, 0.25, 1.2
 VIEW_RANGE_M, HIGH_DEG, VIEWS, DECAY_PER_M = 10.0, 25, 40, 0.05  # higher views would count the air

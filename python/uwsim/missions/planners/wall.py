@@ -14,10 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from uwsim.base.arguments import require_positive
-from uwsim.missions.aiming import until_at
 from uwsim.missions.moves import steer
 from uwsim.missions.own_vehicle import OwnVehicle
-from uwsim.missions.steps import Steps, StoppedError
+from uwsim.missions.steps import Steps, StoppedError, until_at
 from uwsim.navigation.control.autopilot import wrap_angle
 
 MIDDLE_SHARE = 0.5  # fraction of the fan's beams that count as the middle beams

@@ -9,11 +9,10 @@ import numpy as np
 
 from uwsim.base.arguments import require_positive
 from uwsim.base.arrays import Floats
-from uwsim.missions.aiming import until_at
 from uwsim.missions.heights import HIGHEST_Z_M
 from uwsim.missions.lookout import Lookout
 from uwsim.missions.own_vehicle import OwnVehicle
-from uwsim.missions.steps import Steps
+from uwsim.missions.steps import Steps, until_at
 from uwsim.navigation.control.protocols import PingLike
 
 STOP_M, STOP_S = 2.5, 2.0  # the vehicle stops for obstacles at its height within STOP_M + STOP_S x speed of its origin

@@ -31,8 +31,7 @@ from uwsim.navigation.estimation.aids import (
 from uwsim.navigation.estimation.budget import position_budget
 from uwsim.navigation.estimation.errors import bias_model, limit, matrix_stds, white_std, whole_std
 from uwsim.navigation.estimation.protocols import Instrumented, InstrumentLike, StreamLike
-from uwsim.navigation.estimation.saved import HeldState, NavigatorState
-from uwsim.navigation.estimation.start import Start
+from uwsim.navigation.estimation.saved import HeldState, NavigatorState, Start
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation

@@ -22,8 +22,7 @@ from numpy.typing import NDArray
 from uwsim.base.caught_warnings import warn_if_cut_short
 from uwsim.base.reader import reader_of
 from uwsim.base.texts.text_file import read_limited
-from uwsim.scenario.read.cast_levels import Cast, Columns, Limits, levels_of
-from uwsim.scenario.read.cast_quantity import PRESSURE, quantity_of, unit_of
+from uwsim.scenario.read.cast_levels import PRESSURE, Cast, Columns, Limits, levels_of, quantity_of, unit_of
 
 Floats = NDArray[np.float64]
 GROUP = "uwsim.kinds.cast"

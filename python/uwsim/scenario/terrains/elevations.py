@@ -23,8 +23,7 @@ from uwsim.scenario.build.whole_tiff import require_whole_tiff
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.read.netcdf_file import require_whole_netcdf
 from uwsim.scenario.spec.terrain import LOCAL, MAX_NODES
-from uwsim.scenario.terrains.raster_file import Raster, mapped, opened
-from uwsim.scenario.terrains.stated_heights import height_unit_m, without_gaps
+from uwsim.scenario.terrains.raster_file import Raster, height_unit_m, mapped, opened, without_gaps
 
 if TYPE_CHECKING:
     from uwsim.scenario.terrains.raster import RasterTerrain

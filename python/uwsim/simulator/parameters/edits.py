@@ -13,8 +13,7 @@ from uwsim.scenario.spec.scenario import Scenario
 from uwsim.scenario.spec.sensor import Noise, SensorMount
 from uwsim.scenario.spec.vehicle import VehicleModel
 from uwsim.scenario.spec.water import ONE_WATER, Water
-from uwsim.simulator.parameters.effective import effective
-from uwsim.simulator.parameters.figures import sensor_figures
+from uwsim.simulator.parameters.effective import effective, sensor_figures
 from uwsim.simulator.parameters.tree import Place
 
 KIND = "kind"

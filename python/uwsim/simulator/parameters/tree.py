@@ -14,8 +14,7 @@ from uwsim.scenario.spec.json_schema import descriptions
 from uwsim.scenario.spec.scenario import Scenario
 from uwsim.scenario.spec.sensor import Noise, SensorMount
 from uwsim.simulator.parameters import table
-from uwsim.simulator.parameters.effective import effective, idle
-from uwsim.simulator.parameters.figures import imaging_figures, noise_unit, sensor_figures
+from uwsim.simulator.parameters.effective import effective, idle, imaging_figures, noise_unit, sensor_figures
 from uwsim.simulator.parameters.parameter import FieldType, field_type, stripped
 
 Place = tuple[str | int, ...]

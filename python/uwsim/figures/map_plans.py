@@ -1,4 +1,4 @@
-"""Figure of a map's errors: seabed depth errors from above, missed and false voxels, and the error distribution."""
+"""Figures of maps in a plane: a slice, two maps from above, and where a map departs from the truth."""
 
 from __future__ import annotations
 
@@ -8,16 +8,98 @@ from typing import Any
 import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import Normalize
+from matplotlib.colors import Normalize, to_rgb
 from matplotlib.patches import Polygon
 from numpy.typing import NDArray
 
 from uwsim.figures.style import FAINT_INK, INK, add_colour_bar, add_legend, label_axes, new_figure, save_figure
+from uwsim.mapping.changes import MapDifference
+from uwsim.mapping.info import MapSlice
 from uwsim.scoring.map_score import MapScore
 from uwsim.scoring.s44 import CONFIDENCE, ORDERS
 from uwsim.scoring.seabed_comparison import SeabedComparison
 
-WIDTH_IN, CURVE_HEIGHT_IN, GAP_IN = 9.6, 3.0, 1.7
+WIDTH_IN = 9.6
+COLOURS = {1: "#1b2733", 0: "#9fd0e8", -1: "#f3efe6"}  # dark, mid and light: also distinct in greyscale
+NAMES = {1: "occupied", 0: "free", -1: "unknown"}
+LABELS = {"x": "east [m]", "y": "north [m]", "z": "z [m], 0 is the water's surface"}
+
+
+def draw_map_slice(path: Path, cut: MapSlice) -> None:
+    """Draw a slice to scale, or stretched if it would otherwise be too slender. Raises OSError."""
+    west, east, south, north = cut.extent_m
+    ratio = (north - south) / (east - west)
+    shown = float(np.clip(ratio, 0.22, 1.6))
+    figure = new_figure(WIDTH_IN, WIDTH_IN * shown)
+    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+    kind = "Level cut" if cut.axis == "z" else "Upright cut"
+    stretch = shown / ratio
+    note = f", {cut.up} stretched {stretch:.2g} times" if stretch > 1.01 else ""
+    label_axes(
+        axes, f"{kind} through the map at {cut.axis} = {cut.at_m:.2f} m{note}", LABELS[cut.across], LABELS[cut.up]
+    )
+    colours = np.array([to_rgb(COLOURS[state]) for state in (-1, 0, 1)])
+    image = colours[cut.states.astype(np.int64) + 1]
+    axes.imshow(image, origin="lower", extent=cut.extent_m, interpolation="nearest", aspect="auto", zorder=0)
+    counts = {state: int(np.count_nonzero(cut.states == state)) for state in NAMES}
+    for state, name in NAMES.items():
+        style: dict[str, Any] = {"s": 48, "marker": "s", "edgecolors": "#7d8a96", "linewidths": 0.5}
+        axes.scatter([], [], color=COLOURS[state], label=f"{name}: {counts[state]:,} voxels", **style)
+    add_legend(axes, 3)
+    save_figure(figure, path)
+
+
+BOTH, ONLY_FIRST, ONLY_SECOND = "#c9d1d8", "#d55e00", "#0072b2"  # vermilion and blue from the Okabe-Ito palette
+
+
+def draw_map_difference(path: Path, found: MapDifference, names: tuple[str, str]) -> None:
+    """Draw the columns that have an occupied voxel in only one of the maps, or in both. names: the map names.
+
+    Raises ValueError if neither map has an occupied voxel, OSError if the file cannot be written.
+    """
+    everything = np.concatenate([found.only_first_m, found.only_second_m, found.both_m])
+    if not len(everything):
+        raise ValueError("neither map has an occupied voxel: there is nothing to draw")
+    low = everything[:, :2].min(axis=0) - found.resolution_m
+    high = everything[:, :2].max(axis=0) + found.resolution_m
+    size = high - low
+    figure = new_figure(WIDTH_IN, WIDTH_IN * float(np.clip(size[1] / size[0], 0.25, 2.0)))
+    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+    label_axes(axes, f"{found.differing:,} voxels differ in state", "east [m]", "north [m]")
+    axes.set_aspect("equal")
+    axes.set_xlim(low[0], high[0])
+    axes.set_ylim(low[1], high[1])
+    layers = (
+        (found.both_m, BOTH, "occupied in both"),
+        (found.only_first_m, ONLY_FIRST, f"only in {names[0]}"),
+        (found.only_second_m, ONLY_SECOND, f"only in {names[1]}"),
+    )
+    for order, (centres, colour, name) in enumerate(layers):
+        _draw_columns(axes, centres, found.resolution_m, colour, order)
+        style: dict[str, Any] = {"s": 40, "marker": "s", "linewidths": 0}
+        axes.scatter([], [], color=colour, label=f"{name}: {len(centres):,} voxels", **style)
+    if not len(found.only_first_m) and not len(found.only_second_m):
+        axes.text(0.5, 0.02, "the same voxels are occupied", transform=axes.transAxes, ha="center", color=FAINT_INK)
+    add_legend(axes, 3)
+    save_figure(figure, path)
+
+
+def _draw_columns(axes: Any, centres_m: NDArray[np.float64], resolution_m: float, colour: str, order: int) -> None:
+    """Fill the squares of the voxel columns."""
+    if not len(centres_m):
+        return
+    corner = centres_m[:, :2].min(axis=0) - resolution_m / 2.0
+    at = np.round((centres_m[:, :2] - corner) / resolution_m - 0.5).astype(np.int64)
+    columns, rows = at.max(axis=0) + 1
+    mask = np.zeros((rows, columns, 4), np.float32)
+    rgb = [int(colour[i : i + 2], 16) / 255.0 for i in (1, 3, 5)]
+    mask[at[:, 1], at[:, 0]] = [*rgb, 1.0]
+    extent = (corner[0], corner[0] + columns * resolution_m, corner[1], corner[1] + rows * resolution_m)
+    axes.imshow(mask, origin="lower", extent=extent, interpolation="nearest", zorder=order)
+    axes.set_autoscale_on(False)
+
+
+CURVE_HEIGHT_IN, GAP_IN = 3.0, 1.7
 ERRORS = matplotlib.colormaps["PuOr_r"]  # distinguishable with red-green colour blindness
 OBSTACLE, UNJUDGED = "#8f98a1", "#f1f4f6"
 MISSED_EDGE, FALSE_EDGE = "#c51b7d", "#00798c"
