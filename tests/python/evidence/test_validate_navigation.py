@@ -7,7 +7,7 @@ import pytest
 
 from uwsim.evidence.validate.navigator import by_place as navigation
 from uwsim.evidence.validate.navigator.places import PLACES, WITH_DVL, WITH_GAUGE
-from uwsim.navigation.estimation.aids import Doppler
+from uwsim.navigation.estimation.aids import AIDS
 from uwsim.navigation.estimation.budget import NOISE, position_budget
 from uwsim.scenario.read.assets import assets_folder
 from uwsim.scenario.spec.vehicle import load_vehicle
@@ -36,9 +36,11 @@ def test_a_filter_that_does_not_know_how_a_dvl_is_mounted_is_too_sure(monkeypatc
     place = replace(PLACES[MOUNTED], vehicles=("rov",))
     bare = replace(place, settings={}).simulators()[0].rov.sensors["dvl"]
     honest = [flight[-1].nees[0] for flight in navigation.fly_in(place, 3)]
-    known = Doppler.add_to
-    monkeypatch.setattr(Doppler, "add_to", lambda self, filter_, _, around: known(self, filter_, bare, around))
-    monkeypatch.setattr(Doppler, "terms", lambda *_: {"beams": 4})
+    known = AIDS["dvl"]
+    unaware = known._replace(
+        add_to=lambda filter_, _, around: known.add_to(filter_, bare, around), terms=lambda *_: {"beams": 4}
+    )
+    monkeypatch.setitem(AIDS, "dvl", unaware)
     sure = [flight[-1].nees[0] for flight in navigation.fly_in(place, 3)]
     assert np.mean(sure) > 1.5 * np.mean(honest)
 

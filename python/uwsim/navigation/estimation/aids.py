@@ -1,10 +1,11 @@
-"""The instruments that correct the filter. One class for each kind in AIDS prepares its samples."""
+"""The instruments that correct the filter, and how samples of each kind are prepared: the table AIDS."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -59,17 +60,17 @@ class Surroundings:
         return gauge_pa * (1.0 - 0.5 * self.compressibility_1_pa * gauge_pa) / self.metre_pa
 
 
-class Aid(Protocol):
-    """A kind of instrument that corrects the filter."""
+class Aid(NamedTuple):
+    """A kind of instrument that corrects the filter.
 
-    def add_to(self, filter_: _core.NavigationFilter, sensor: InstrumentLike, around: Surroundings) -> int:
-        """Register the instrument with the filter; return its index there."""
+    add_to: registers the instrument with the filter; returns its index there. terms: returns the numbers of its errors
+    in the filter's state by name, in their order. readings: returns a mask (n,) of usable samples, and their readings
+    in the format that the filter expects.
+    """
 
-    def terms(self, sensor: InstrumentLike, around: Surroundings) -> dict[str, int]:
-        """Return the numbers of its errors in the filter's state by name, in their order."""
-
-    def readings(self, sensor: InstrumentLike, samples: SamplesLike, around: Surroundings) -> tuple[Floats, Floats]:
-        """Return a mask (n,) of usable samples, and their readings in the format that the filter expects."""
+    add_to: Callable[[_core.NavigationFilter, InstrumentLike, Surroundings], int]
+    terms: Callable[[InstrumentLike, Surroundings], dict[str, int]]
+    readings: Callable[[InstrumentLike, SamplesLike, Surroundings], tuple[Floats, Floats]]
 
 
 def existing(*biases: tuple[str, int, _core.BiasModel]) -> dict[str, int]:
@@ -89,77 +90,38 @@ def body_from_sensor(sensor: InstrumentLike) -> Rotation:
     return Rotation.from_quat(sensor.spec.orientation_xyzw)
 
 
-class Doppler:
-    """The beams of a DVL, processed separately so that losing some does not affect the others."""
-
-    def add_to(self, filter_: _core.NavigationFilter, sensor: InstrumentLike, around: Surroundings) -> int:
-        """See Aid."""
-        figures = sensor.spec.parameters
-        slant = math.radians(figures["beam_slant_deg"][0])
-        azimuths = np.radians(figures["beam_azimuth_deg"][0]) + 0.5 * np.pi * np.arange(4)
-        down = np.full(4, -math.cos(slant))
-        beams = np.column_stack([math.sin(slant) * np.cos(azimuths), math.sin(slant) * np.sin(azimuths), down])
-        return filter_.add_doppler(
-            body_from_sensor(sensor).apply(beams),
-            lever(sensor, around),
-            white_std(sensor, "beam_velocity"),
-            bias_model(sensor, "beam_velocity"),
-            self._scale(sensor, around),
-            bias_model(sensor, "misalignment"),
-        )
-
-    def terms(self, sensor: InstrumentLike, around: Surroundings) -> dict[str, int]:
-        """See Aid."""
-        scale, misalignment = self._scale(sensor, around), bias_model(sensor, "misalignment")
-        return {"beams": 4} | existing(("scale", 1, scale), ("misalignment", 3, misalignment))
-
-    def _scale(self, sensor: InstrumentLike, around: Surroundings) -> _core.BiasModel:
-        """Return the error of the scale: the instrument's, and that of a set speed of sound in this water."""
-        set_m_s = sensor.spec.parameters["sound_speed_m_s"][0]
-        sound_std = max(abs(set_m_s / each - 1.0) for each in around.sound_m_s) if set_m_s > 0 else 0.0
-        return bias_model(sensor, "scale", more_std=sound_std, walk=sound_std * math.sqrt(2.0 / SOUND_TIME_S))
-
-    def readings(self, sensor: InstrumentLike, samples: SamplesLike, around: Surroundings) -> tuple[Floats, Floats]:
-        """See Aid."""
-        ranges_m, velocities = samples.readings[:, 3:7], samples.readings[:, 7:11]
-        good = np.isfinite(ranges_m)
-        return good.any(axis=1), np.where(good, velocities, np.nan)
+def _add_doppler(filter_: _core.NavigationFilter, sensor: InstrumentLike, around: Surroundings) -> int:
+    figures = sensor.spec.parameters
+    slant = math.radians(figures["beam_slant_deg"][0])
+    azimuths = np.radians(figures["beam_azimuth_deg"][0]) + 0.5 * np.pi * np.arange(4)
+    down = np.full(4, -math.cos(slant))
+    beams = np.column_stack([math.sin(slant) * np.cos(azimuths), math.sin(slant) * np.sin(azimuths), down])
+    return filter_.add_doppler(
+        body_from_sensor(sensor).apply(beams),
+        lever(sensor, around),
+        white_std(sensor, "beam_velocity"),
+        bias_model(sensor, "beam_velocity"),
+        _doppler_scale(sensor, around),
+        bias_model(sensor, "misalignment"),
+    )
 
 
-class Gauge:
-    """A gauge of the water's weight."""
-
-    def terms(self, sensor: InstrumentLike, around: Surroundings) -> dict[str, int]:
-        """See Aid."""
-        return {"bias": 1, "waves": 2, "tide": 2, "density": 1}
+def _doppler_terms(sensor: InstrumentLike, around: Surroundings) -> dict[str, int]:
+    scale, misalignment = _doppler_scale(sensor, around), bias_model(sensor, "misalignment")
+    return {"beams": 4} | existing(("scale", 1, scale), ("misalignment", 3, misalignment))
 
 
-class Depth(Gauge):
-    """A depth sensor, which divides the pressure by a nominal density, that of the surface by default."""
-
-    def add_to(self, filter_: _core.NavigationFilter, sensor: InstrumentLike, around: Surroundings) -> int:
-        """See Aid."""
-        return _add_gauge(filter_, sensor, around, "depth", self._metre_pa(sensor, around) / around.metre_pa)
-
-    def readings(self, sensor: InstrumentLike, samples: SamplesLike, around: Surroundings) -> tuple[Floats, Floats]:
-        """See Aid."""
-        return samples.valid, around.depth_m(samples.readings * self._metre_pa(sensor, around))
-
-    def _metre_pa(self, sensor: InstrumentLike, around: Surroundings) -> float:
-        nominal_kg_m3 = sensor.spec.parameters["density_kg_m3"][0]
-        return nominal_kg_m3 * around.gravity_m_s2 if nominal_kg_m3 > 0 else around.metre_pa
+def _doppler_scale(sensor: InstrumentLike, around: Surroundings) -> _core.BiasModel:
+    """Return the error of the scale: the instrument's, and that of a set speed of sound in this water."""
+    set_m_s = sensor.spec.parameters["sound_speed_m_s"][0]
+    sound_std = max(abs(set_m_s / each - 1.0) for each in around.sound_m_s) if set_m_s > 0 else 0.0
+    return bias_model(sensor, "scale", more_std=sound_std, walk=sound_std * math.sqrt(2.0 / SOUND_TIME_S))
 
 
-class Pressure(Gauge):
-    """A pressure sensor; depth is derived from the water density that the vehicle assumes."""
-
-    def add_to(self, filter_: _core.NavigationFilter, sensor: InstrumentLike, around: Surroundings) -> int:
-        """See Aid."""
-        return _add_gauge(filter_, sensor, around, "pressure", 1.0 / around.metre_pa)
-
-    def readings(self, sensor: InstrumentLike, samples: SamplesLike, around: Surroundings) -> tuple[Floats, Floats]:
-        """See Aid."""
-        return samples.valid, around.depth_m(samples.readings - ATMOSPHERE_PA)
+def _doppler_readings(sensor: InstrumentLike, samples: SamplesLike, around: Surroundings) -> tuple[Floats, Floats]:
+    ranges_m, velocities = samples.readings[:, 3:7], samples.readings[:, 7:11]
+    good = np.isfinite(ranges_m)
+    return good.any(axis=1), np.where(good, velocities, np.nan)
 
 
 def _add_gauge(
@@ -176,29 +138,27 @@ def _add_gauge(
     )
 
 
-class Compass:
-    """A compass. The declination is known from the chart; only the magnitude of the hard-iron error is known."""
+def _nominal_metre_pa(sensor: InstrumentLike, around: Surroundings) -> float:
+    """Return the pressure of a metre of water of a depth sensor's nominal density, that of the surface by default."""
+    nominal_kg_m3 = sensor.spec.parameters["density_kg_m3"][0]
+    return nominal_kg_m3 * around.gravity_m_s2 if nominal_kg_m3 > 0 else around.metre_pa
 
-    def add_to(self, filter_: _core.NavigationFilter, sensor: InstrumentLike, around: Surroundings) -> int:
-        """See Aid."""
-        figures = sensor.spec.parameters
-        level_ut = figures["field_ut"][0] * math.cos(math.radians(figures["inclination_deg"][0]))
-        iron_ut = math.hypot(*figures["hard_iron_ut"])
-        return filter_.add_heading(
-            body_from_sensor(sensor).apply([1.0, 0.0, 0.0]),
-            white_std(sensor, "heading"),
-            bias_model(sensor, "heading"),
-            iron_ut / math.sqrt(3.0) / level_ut,
-            north_rad(sensor),
-        )
 
-    def terms(self, sensor: InstrumentLike, around: Surroundings) -> dict[str, int]:
-        """See Aid."""
-        return {"drift": 1, "hard_iron": 3}
+def _add_compass(filter_: _core.NavigationFilter, sensor: InstrumentLike, around: Surroundings) -> int:
+    figures = sensor.spec.parameters
+    level_ut = figures["field_ut"][0] * math.cos(math.radians(figures["inclination_deg"][0]))
+    return _add_heading(filter_, sensor, 1.0, math.hypot(*figures["hard_iron_ut"]) / math.sqrt(3.0) / level_ut)
 
-    def readings(self, sensor: InstrumentLike, samples: SamplesLike, around: Surroundings) -> tuple[Floats, Floats]:
-        """See Aid."""
-        return samples.valid, north_rad(sensor) - samples.readings
+
+def _add_heading(filter_: _core.NavigationFilter, sensor: InstrumentLike, secant: float, iron: float) -> int:
+    """Add a compass of either kind. secant: by which its errors grow. iron: its hard-iron error, of the level field."""
+    return filter_.add_heading(
+        body_from_sensor(sensor).apply([1.0, 0.0, 0.0]),
+        white_std(sensor, "heading") * secant,
+        bias_model(sensor, "heading", secant),
+        iron,
+        north_rad(sensor),
+    )
 
 
 def north_rad(compass: InstrumentLike) -> float:
@@ -206,108 +166,103 @@ def north_rad(compass: InstrumentLike) -> float:
     return 0.5 * math.pi - math.radians(compass.spec.parameters.get("declination_deg", [0.0])[0])
 
 
-class Gyrocompass(Compass):
-    """A gyrocompass, whose errors grow as the secant of the latitude. It has no iron, and points to true north."""
-
-    def add_to(self, filter_: _core.NavigationFilter, sensor: InstrumentLike, around: Surroundings) -> int:
-        """See Aid."""
-        secant = 1.0 / math.cos(math.radians(sensor.spec.parameters["latitude_deg"][0]))
-        return filter_.add_heading(
-            body_from_sensor(sensor).apply([1.0, 0.0, 0.0]),
-            white_std(sensor, "heading") * secant,
-            bias_model(sensor, "heading", secant),
-            0.0,
-            north_rad(sensor),
-        )
-
-    def terms(self, sensor: InstrumentLike, around: Surroundings) -> dict[str, int]:
-        """See Aid."""
-        return {"drift": 1}
+def _add_fixes(filter_: _core.NavigationFilter, sensor: InstrumentLike, around: Surroundings) -> int:
+    return filter_.add_acoustic_fix(
+        lever(sensor, around),
+        white_std(sensor, "range"),
+        white_std(sensor, "bearing"),
+        rounding_step(sensor, "range"),
+        sensor.period_s,
+        range_bias=bias_model(sensor, "range"),
+        scale=bias_model(sensor, "scale"),
+        bearing_bias=bias_model(sensor, "bearing"),
+        station_std=white_std(sensor, "station"),
+        station_bias=bias_model(sensor, "station"),
+    )
 
 
-class AcousticFix:
-    """The fixes of a USBL, which arrive with a delay, and with the place where its station takes itself to be."""
-
-    def add_to(self, filter_: _core.NavigationFilter, sensor: InstrumentLike, around: Surroundings) -> int:
-        """See Aid."""
-        return filter_.add_acoustic_fix(
-            lever(sensor, around),
-            white_std(sensor, "range"),
-            white_std(sensor, "bearing"),
-            rounding_step(sensor, "range"),
-            sensor.period_s,
-            range_bias=bias_model(sensor, "range"),
-            scale=bias_model(sensor, "scale"),
-            bearing_bias=bias_model(sensor, "bearing"),
-            station_std=white_std(sensor, "station"),
-            station_bias=bias_model(sensor, "station"),
-        )
-
-    def terms(self, sensor: InstrumentLike, around: Surroundings) -> dict[str, int]:
-        """See Aid."""
-        widths = {"range": 1, "scale": 1, "bearing": 2, "station": 3}
-        return existing(*((channel, n, bias_model(sensor, channel)) for channel, n in widths.items()))
-
-    def readings(self, sensor: InstrumentLike, samples: SamplesLike, around: Surroundings) -> tuple[Floats, Floats]:
-        """See Aid."""
-        fixes_m = samples.readings[:, [0, 1, 2, *STATION]]
-        errors_m = whole_std(sensor, "bearing") * samples.readings[:, 3] + whole_std(sensor, "range")
-        heights_m = fixes_m[:, 2] + fixes_m[:, 5]
-        return samples.valid & (heights_m < GHOST_STDS * errors_m + GHOST_M), fixes_m
+def _fix_terms(sensor: InstrumentLike, around: Surroundings) -> dict[str, int]:
+    widths = {"range": 1, "scale": 1, "bearing": 2, "station": 3}
+    return existing(*((channel, n, bias_model(sensor, channel)) for channel, n in widths.items()))
 
 
-class Satellites:
-    """A satellite receiver, while it has a fix."""
-
-    def add_to(self, filter_: _core.NavigationFilter, sensor: InstrumentLike, around: Surroundings) -> int:
-        """See Aid."""
-        return filter_.add_satellites(
-            lever(sensor, around),
-            white_std(sensor, "horizontal"),
-            white_std(sensor, "vertical"),
-            white_std(sensor, "velocity"),
-            bias_model(sensor, "horizontal"),
-            bias_model(sensor, "vertical"),
-        )
-
-    def terms(self, sensor: InstrumentLike, around: Surroundings) -> dict[str, int]:
-        """See Aid."""
-        return {"orbits": 3}
-
-    def readings(self, sensor: InstrumentLike, samples: SamplesLike, around: Surroundings) -> tuple[Floats, Floats]:
-        """See Aid."""
-        return samples.valid & np.isfinite(samples.readings[:, :6]).all(axis=1), samples.readings[:, :6]
+def _fixes(sensor: InstrumentLike, samples: SamplesLike, around: Surroundings) -> tuple[Floats, Floats]:
+    fixes_m = samples.readings[:, [0, 1, 2, *STATION]]
+    errors_m = whole_std(sensor, "bearing") * samples.readings[:, 3] + whole_std(sensor, "range")
+    heights_m = fixes_m[:, 2] + fixes_m[:, 5]
+    return samples.valid & (heights_m < GHOST_STDS * errors_m + GHOST_M), fixes_m
 
 
-class Orientation:
-    """The orientation measured by an IMU, for vehicles without a compass."""
-
-    def add_to(self, filter_: _core.NavigationFilter, sensor: InstrumentLike, around: Surroundings) -> int:
-        """See Aid."""
-        return filter_.add_orientation(white_std(sensor, "orientation"), bias_model(sensor, "orientation"))
-
-    def terms(self, sensor: InstrumentLike, around: Surroundings) -> dict[str, int]:
-        """See Aid."""
-        return {"orientation": 3}
-
-    def readings(self, sensor: InstrumentLike, samples: SamplesLike, around: Surroundings) -> tuple[Floats, Floats]:
-        """See Aid."""
-        from scipy.spatial.transform import Rotation  # slow to import
-
-        world_from_sensor = Rotation.from_quat(samples.readings[:, 6:10].reshape(-1, 4))
-        return samples.valid, (world_from_sensor * body_from_sensor(sensor).inv()).as_quat()
+def _add_satellites(filter_: _core.NavigationFilter, sensor: InstrumentLike, around: Surroundings) -> int:
+    return filter_.add_satellites(
+        lever(sensor, around),
+        white_std(sensor, "horizontal"),
+        white_std(sensor, "vertical"),
+        white_std(sensor, "velocity"),
+        bias_model(sensor, "horizontal"),
+        bias_model(sensor, "vertical"),
+    )
 
 
+def _orientations(sensor: InstrumentLike, samples: SamplesLike, around: Surroundings) -> tuple[Floats, Floats]:
+    from scipy.spatial.transform import Rotation  # slow to import
+
+    world_from_sensor = Rotation.from_quat(samples.readings[:, 6:10].reshape(-1, 4))
+    return samples.valid, (world_from_sensor * body_from_sensor(sensor).inv()).as_quat()
+
+
+GAUGE_TERMS = {"bias": 1, "waves": 2, "tide": 2, "density": 1}
 AIDS: dict[str, Aid] = {
-    "dvl": Doppler(),
-    "depth": Depth(),
-    "pressure": Pressure(),
-    "gyrocompass": Gyrocompass(),
-    "compass": Compass(),
-    "usbl": AcousticFix(),
-    "gps": Satellites(),
-    "imu": Orientation(),
-}
+    # The beams of a DVL are processed separately, so that losing some does not affect the others.
+    "dvl": Aid(_add_doppler, _doppler_terms, _doppler_readings),
+    # A depth sensor divides the pressure by a nominal density; of a pressure sensor, the vehicle assumes it.
+    "depth": Aid(
+        lambda filter_, sensor, around: _add_gauge(
+            filter_, sensor, around, "depth", _nominal_metre_pa(sensor, around) / around.metre_pa
+        ),
+        lambda sensor, around: dict(GAUGE_TERMS),
+        lambda sensor, samples, around: (
+            samples.valid, around.depth_m(samples.readings * _nominal_metre_pa(sensor, around))
+        ),
+    ),
+    "pressure": Aid(
+        lambda filter_, sensor, around: _add_gauge(filter_, sensor, around, "pressure", 1.0 / around.metre_pa),
+        lambda sensor, around: dict(GAUGE_TERMS),
+        lambda sensor, samples, around: (samples.valid, around.depth_m(samples.readings - ATMOSPHERE_PA)),
+    ),
+    # Its errors grow as the secant of the latitude. It has no iron, and points to true north.
+    "gyrocompass": Aid(
+        lambda filter_, sensor, around: _add_heading(
+            filter_, sensor, 1.0 / math.cos(math.radians(sensor.spec.parameters["latitude_deg"][0])), 0.0
+        ),
+        lambda sensor, around: {"drift": 1},
+        lambda sensor, samples, around: (samples.valid, north_rad(sensor) - samples.readings),
+    ),
+    # The declination is known from the chart; only the magnitude of the hard-iron error is known.
+    "compass": Aid(
+        _add_compass,
+        lambda sensor, around: {"drift": 1, "hard_iron": 3},
+        lambda sensor, samples, around: (samples.valid, north_rad(sensor) - samples.readings),
+    ),
+    # The fixes of a USBL arrive with a delay, and with the place where its station takes itself to be.
+    "usbl": Aid(_add_fixes, _fix_terms, _fixes),
+    # A satellite receiver, while it has a fix.
+    "gps": Aid(
+        _add_satellites,
+        lambda sensor, around: {"orbits": 3},
+        lambda sensor, samples, around: (
+            samples.valid & np.isfinite(samples.readings[:, :6]).all(axis=1), samples.readings[:, :6]
+        ),
+    ),
+    # The orientation measured by an IMU, for vehicles without a compass.
+    "imu": Aid(
+        lambda filter_, sensor, around: filter_.add_orientation(
+            white_std(sensor, "orientation"), bias_model(sensor, "orientation")
+        ),
+        lambda sensor, around: {"orientation": 3},
+        _orientations,
+    ),
+}  # fmt: skip
 """The aids by sensor kind."""
 COMPASSES = ("gyrocompass", "compass")
 """The kinds that measure a heading, the better one first."""
