@@ -27,7 +27,7 @@ from uwsim.operator.station.editor.draft import Draft
 from uwsim.operator.station.editor.files import MAX_BYTES, SceneFiles
 from uwsim.operator.station.editor.forms import OF_EXERCISE, SECTIONS, forms
 from uwsim.operator.station.editor.meshes import MESH_BYTES_MAX
-from uwsim.operator.station.services import rebuild
+from uwsim.operator.station.services import editing
 from uwsim.operator.station.sessions.saves import continue_maps
 from uwsim.operator.station.wire.calls import CALLS
 from uwsim.scenario import ScenarioError, load
@@ -525,7 +525,7 @@ def test_a_rebuilt_world_keeps_vehicle_and_time(station: Station, monkeypatch: p
         continue_maps(rebuilt, folder)
 
     before = live.read(there).result()
-    monkeypatch.setattr(rebuild, "continue_maps", stopped_meanwhile)
+    monkeypatch.setattr(editing, "continue_maps", stopped_meanwhile)
     assert anna("edit", action="apply")["success"]
     assert station.present().live.simulator.rov.all_stopped
     again = station.present().live

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import orjson
 
@@ -150,15 +151,11 @@ class Editor:
                 at_m, vehicle = request.get("at_m") or [0.0, 0.0], request.get("vehicle") or 0
                 if not (isinstance(at_m, list) and len(at_m) == 2 and all(map(is_number, at_m))):
                     raise ValueError("at_m: must be two numbers")
-                if not is_number(vehicle) or vehicle % 1:
-                    raise ValueError(f"vehicle = {str(vehicle)[:40]}: must be a whole number")
-                return draft.add(section, str(request.get("kind") or ""), int(vehicle), at_m, values)
+                kind = str(request.get("kind") or "")
+                return draft.add(section, kind, _whole("vehicle", vehicle), at_m, values)
             place = _place(request.get("place"))
             if action == "move":
-                to = request.get("to")
-                if not is_number(to) or to % 1:
-                    raise ValueError(f"to = {str(to)[:40]}: must be a whole number")
-                return draft.move(section, place, int(to))
+                return draft.move(section, place, _whole("to", request.get("to")))
             if action == "remove":
                 draft.remove(section, place)
             else:
@@ -243,6 +240,13 @@ class Editor:
                 "vehicles": [entry.name for entry in draft.scenario.vehicles], "parts": list(parts(draft)),
                 "text": draft.files.shown,
             }  # fmt: skip
+
+
+def _whole(name: str, value: Any) -> int:
+    """Return a whole number from a request. Raises ValueError."""
+    if not is_number(value) or value % 1:
+        raise ValueError(f"{name} = {str(value)[:40]}: must be a whole number")
+    return int(value)
 
 
 def _place(value: object) -> Place:
