@@ -5,30 +5,22 @@ Libraries are imported where they are used, so that a fuzzer instruments only th
 
 from __future__ import annotations
 
-import hashlib
 import json
-import logging
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
-from functools import cache
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
+from dataclasses import dataclass, fields, is_dataclass
+from functools import partial
+from importlib import import_module
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import numpy as np
-from tests.fuzz import charts, fields, others, surveys, text_readers
+from tests.fuzz import streams
+from tests.fuzz.streams import named
 
 REFUSED = (ValueError, OSError)
 """The errors that a reader may raise: the command line turns either into one line."""
-
-FLIGHT_COLUMNS = "t = time [s], h = heading [deg], d = depth [m], a = servo1 [us], b = servo2 [us]"
-CDR_TYPES = (
-    "geometry_msgs/msg/Twist",
-    "std_msgs/msg/String",
-    "sensor_msgs/msg/LaserScan",
-    "sensor_msgs/msg/JointState",
-    "sensor_msgs/msg/PointCloud2",
-    "rcl_interfaces/msg/ParameterEvent",
-)
 
 
 class Values(NamedTuple):
@@ -36,6 +28,24 @@ class Values(NamedTuple):
 
     read: Callable[[bytes], Any]
     write: Callable[[Any], bytes]
+
+
+def _json(value: Any) -> bytes:
+    return json.dumps(value, default=str).encode()
+
+
+def _yaml(data: bytes) -> Any:
+    from ruamel.yaml import YAML
+
+    return YAML(typ="safe", pure=True).load(data)
+
+
+JSON = Values(json.loads, _json)
+YAML_VALUES = Values(_yaml, _json)  # JSON is YAML
+JSON_LINES = Values(
+    lambda data: [json.loads(line) for line in data.splitlines()],
+    lambda lines: b"\n".join(map(_json, lines if isinstance(lines, list) else [lines])),
+)
 
 
 @dataclass(frozen=True)
@@ -53,224 +63,18 @@ class Reader:
     values: Values | None = None
 
 
-def _cloud(suffix: str) -> Callable[[bytes, Path], Any]:
-    def read(data: bytes, folder: Path) -> bytes:
-        from uwsim.mapping.files import read_cloud
-
-        return read_cloud(_written(folder / f"cloud{suffix}", data)).tobytes()
-
-    return read
-
-
-def _mesh(suffix: str) -> Callable[[bytes, Path], Any]:
-    def read(data: bytes, folder: Path) -> tuple[bytes, bytes]:
-        from uwsim.scenario.read.mesh_file import load_mesh
-
-        vertices, triangles = load_mesh(_written(folder / f"mesh{suffix}", data))
-        return vertices.tobytes(), triangles.tobytes()
-
-    return read
+def content(value: Any) -> Any:
+    """Return what a reader has read, so that it can be compared."""
+    if isinstance(value, np.ndarray):
+        return value.tobytes()
+    if is_dataclass(value) and not isinstance(value, type):
+        return [content(getattr(value, field.name)) for field in fields(value)]
+    if isinstance(value, Mapping):
+        return [(key, content(each)) for key, each in value.items()]
+    return [content(each) for each in value] if isinstance(value, list | tuple | Iterator) else repr(value)
 
 
-def _raster(suffix: str) -> Callable[[bytes, Path], Any]:
-    def read(data: bytes, folder: Path) -> bytes:
-        from uwsim.scenario.terrains.raster import RasterTerrain
-
-        file = _written(folder / f"terrain{suffix}", data)
-        heights = RasterTerrain(source="raster", file=file, spacing_m=1.0, water_level_m=0).heights()
-        return hashlib.sha256(heights).digest()
-
-    return read
-
-
-def _image(data: bytes, folder: Path) -> bytes:
-    from uwsim.scenario.terrains.image import ImageTerrain
-
-    shape = {"size_m": (20, 10), "spacing_m": 1.0, "black_m": -9, "white_m": -1}
-    return ImageTerrain(source="image", file=_written(folder / "terrain.png", data), **shape).heights().tobytes()
-
-
-def _profile(data: bytes, folder: Path) -> list[Any]:
-    from uwsim.scenario.build.water import build_water
-    from uwsim.scenario.read.validated import validated
-    from uwsim.scenario.spec.water import Water
-
-    file = _written(folder / "profile.csv", data)
-    water = build_water(validated(Water, {"profile": {"kind": "table", "file": file}}), bottom_depth_m=20.0, seed=0)
-    return [water.temperature_deg_c(depth_m) for depth_m in (0.0, 5.0, 20.0)]
-
-
-def _track(suffix: str) -> Callable[[bytes, Path], Any]:
-    def read(data: bytes, folder: Path) -> list[bytes]:
-        from uwsim.campaigns.datasets.track import read_track
-
-        track = read_track(_written(folder / f"track{suffix}", data))
-        return [each.tobytes() for each in (track.times_s, track.positions_m, track.orientations_xyzw)]
-
-    return read
-
-
-def _survey_track(data: bytes, folder: Path) -> list[Any]:
-    from uwsim.scoring.survey_track import SurveyTrack
-
-    track = SurveyTrack.read(_written(folder / "track.npz", data))
-    return [track.path_world_m.tobytes(), track.area_world_m.tobytes(), track.range_max_m, track.scenario_name]
-
-
-@cache
-def simulator_to_restore() -> tuple[Any, bytes]:
-    """Return a simulator with a failsafe, faults and an estimate, and the state to which it returns."""
-    from uwsim.scenario import Scenario, load
-    from uwsim.simulator.simulator import Simulator
-
-    base = load("pool")
-    plain = {key: getattr(base, key) for key in type(base).model_fields}
-    vehicle = {**dict(base.vehicles[0]), "model": "rov", "failsafe": {"leak_then": "hold"}}
-    sim = Simulator(Scenario.model_validate({**plain, "vehicles": [vehicle], "link": {"modem": "micromodem"}}))
-    sim.rov.release()
-    assert sim.rov.estimate is not None
-    sim.faults.inject("sensor", sensor="depth", mode="stuck", for_s=100.0)
-    sim.faults.inject("leak", kg_per_s=0.1)
-    sim.advance(2.0)
-    return sim, sim.save_state()
-
-
-def saved_with(notes: str) -> bytes:
-    """Return a state of that simulator with other notes, and a correct checksum."""
-    from uwsim.scenario.fingerprint import build_fingerprint, scenario_fingerprint
-
-    sim, _ = simulator_to_restore()
-    saved: bytes = sim._core.save_state(scenario_fingerprint(sim.scenario), build_fingerprint(), notes)
-    return saved
-
-
-def _notes(data: bytes, _: Path) -> bytes:
-    """Read the notes of a saved state: refused ones change nothing, accepted ones fly on."""
-    sim, begin = simulator_to_restore()
-    try:
-        sim.restore_state(saved_with(data.decode()))
-    except ValueError:
-        assert sim.save_state() == begin
-        raise
-    restored: bytes = sim.save_state()
-    try:
-        sim.step(200)
-        for sensor in sim.rov.sensors.values():
-            sensor.sample()
-    finally:
-        sim.restore_state(begin)
-    return restored
-
-
-def _commands(data: bytes, _: Path) -> bytes:
-    """Read a recording's commands, one per line, ten steps apart. A refused one changes nothing."""
-    from uwsim.channels import Table
-    from uwsim.recording.commands import command_from
-    from uwsim.recording.replay import execute
-
-    sim, begin = simulator_to_restore()
-    table = Table(sim)
-    try:
-        for line in data.decode().splitlines():
-            before = sim.save_state()
-            try:
-                execute(sim, table, command_from(line))
-                sim.step(10)
-            except ValueError:
-                assert sim.save_state() == before, line
-        return bytes(sim.save_state())
-    finally:
-        sim.reset(seed=0)
-        sim.restore_state(begin)
-
-
-def _recording(data: bytes, folder: Path) -> list[Any]:
-    """Read a recording's messages and its scenario. An incomplete recording is recognised as such."""
-    from uwsim import recording
-    from uwsim.recording.capsule import unpack
-
-    opened = recording.open(_written(folder / "run.mcap", data))
-    if not opened.complete:
-        raise ValueError("not complete")
-    said = [opened.start, opened.end, opened.channels, opened.notes, opened.dropped]
-    said += [repr(message.message) for message in opened.messages(*opened.channels, *opened.derived)]
-    said += [opened.arrow(name).num_rows for name in opened.channels]
-    return [*said, *opened.commands(), repr(unpack(opened.attachments, folder / "unpacked"))]
-
-
-def _cdr(data: bytes, _: Path) -> Any:
-    """Read a message of the type that the first byte selects.
-
-    An accepted one is the same after it is written and read.
-    """
-    from uwsim.channels.ros.cdr import encode
-    from uwsim.channels.ros.messages import from_bytes
-
-    if not data:
-        return None
-    name = CDR_TYPES[data[0] % len(CDR_TYPES)]
-    written = bytes(encode(from_bytes(data[1:], name)))
-    assert bytes(encode(from_bytes(written, name))) == written
-    return written
-
-
-def _frames(data: bytes, _: Path) -> None:
-    """Read the frames of one rosbridge client, one per line: text, or CBOR in hexadecimal digits after a #."""
-    from uwsim.bridges.rosbridge import Limits
-    from uwsim.bridges.rosbridge.graph import LOGGER, Graph
-    from uwsim.bridges.rosbridge.session import Session
-
-    unforeseen = _Warnings()
-    LOGGER.addHandler(unforeseen)
-    graph = Graph()
-    session = Session(graph, "/guest", limits=Limits(names=8, replies=20, fragmented_messages=2, open_calls=4))
-    try:
-        for frame in _lines(data):
-            session.receive(frame)
-        session.close()
-    finally:
-        LOGGER.removeHandler(unforeseen)
-    assert not unforeseen.texts, unforeseen.texts
-    assert not graph.topics and not graph.services and not graph.nodes
-
-
-class _Warnings(logging.Handler):
-    def __init__(self) -> None:
-        super().__init__(logging.WARNING)
-        self.texts: list[str] = []
-
-    def emit(self, record: logging.LogRecord) -> None:
-        self.texts.append(self.format(record))
-
-
-def _lines(data: bytes) -> Iterator[str | bytes]:
-    for line in data.split(b"\n"):
-        if line.startswith(b"#"):
-            digits = bytes(byte for byte in line if byte in b"0123456789abcdef")
-            yield bytes.fromhex(digits[: len(digits) // 2 * 2].decode())
-        else:
-            yield line.decode("utf-8", errors="replace")
-
-
-def _depth_string(data: bytes, _: Path) -> bytes:
-    from uwsim import _core
-
-    beams = data[0] % 16 if data else 0
-    return bytes(np.asarray(_core.decode_depth_string(data[1:].decode("latin-1"), beams, 54.9)))
-
-
-def _json(value: Any) -> bytes:
-    return json.dumps(value, default=str).encode()
-
-
-JSON = Values(json.loads, _json)
-JSON_LINES = Values(
-    lambda data: [json.loads(line) for line in data.splitlines()],
-    lambda lines: b"\n".join(map(_json, lines if isinstance(lines, list) else [lines])),
-)
-
-
-def _without_end(_: bytes) -> bool:
+def endless(_: bytes) -> bool:
     return False
 
 
@@ -279,102 +83,262 @@ def _has_one_solid(data: bytes) -> bool:
     return data.lower().count(b"endsolid") < 2
 
 
-def _yaml(data: bytes) -> Any:
-    from ruamel.yaml import YAML
+def file(
+    name: str,
+    read: str | Callable[[Path], Any],
+    libraries: tuple[str, ...] = (),
+    end: Callable[[bytes], bool] = lambda data: True,
+    values: Values | None = None,
+) -> Reader:
+    """Return the reader of a file with this name. read: a function, or the module and name of one."""
 
-    return YAML(typ="safe", pure=True).load(data)
+    def of(data: bytes, folder: Path) -> Any:
+        (path := folder / name).write_bytes(data)
+        return content((named(read) if isinstance(read, str) else read)(path))
+
+    return Reader(of, libraries, end, values)
 
 
-YAML_VALUES = Values(_yaml, _json)  # JSON is YAML
+def raster(path: Path) -> Any:
+    """Read the heights of a raster."""
+    return named("scenario.terrains.raster:RasterTerrain")(
+        source="raster", file=path, spacing_m=1.0, water_level_m=0
+    ).heights()
 
 
-def _written(path: Path, data: bytes) -> Path:
-    path.write_bytes(data)
-    return path
+def image(path: Path) -> Any:
+    """Read the heights that a picture shows."""
+    shape = {"size_m": (20, 10), "spacing_m": 1.0, "black_m": -9, "white_m": -1}
+    return named("scenario.terrains.image:ImageTerrain")(source="image", file=path, **shape).heights()
 
 
+def water(path: Path) -> list[float]:
+    """Read a measured column of water, and make a scenario's water of it."""
+    spec = {"profile": {"kind": "table", "file": path}}
+    valid = named("scenario.read.validated:validated")(named("scenario.spec.water:Water"), spec)
+    made = named("scenario.build.water:build_water")(valid, bottom_depth_m=20.0, seed=0)
+    return [each for z in (0.0, -5.0, -20.0) for each in (made.sound_speed_m_s(z), made.density_at_kg_m3(z))]
+
+
+def chart(path: Path) -> list[Any]:
+    """Read a chart: the scenario that is made of it."""
+    out = path.with_name("made.yaml")
+    made = named("exchange.charts:scenario_from_chart")(path, out, size_m=10.0)
+    return [out.read_bytes(), made.depth_m]
+
+
+def soundings(path: Path) -> list[Any]:
+    """Read soundings as text, and grid them."""
+    found, out = named("exchange.soundings:read_soundings")(path), path.with_name("made.tif")
+    return [found.points, named("exchange.soundings:grid_soundings")(found, out, cell=None, crs=None), out.read_bytes()]
+
+
+def raw_survey(path: Path) -> Any:
+    """Read the profile and the directions of the beams of a raw survey."""
+    head, swaths = named("mapping.files.swath:survey_format")(path, "--from").read(path)
+    return [head.profile.depths_m, *(swath.axes for swath in swaths)]
+
+
+def motion_log(path: Path) -> list[Any]:
+    """Read a log for `uwsim vehicle identify`, as far as its division into segments."""
+    mapping, read_log = (named(f"exchange.logs.motion_log:{each}") for each in ("Mapping", "read_log"))
+    effort = ["e", *[None] * 5]
+    columns = {"time_s": "t", "position_m": [*"xyz"], "orientation_xyzw": [*"abcd"], "effort": effort}
+    log = read_log(path, mapping.model_validate(columns) if path.suffix == ".csv" else None)
+    parts = named("evidence.identification.flown:parts_of")(log, 29, 60.0, None)
+    assert np.allclose(np.linalg.norm(log.orientation_xyzw, axis=1), 1.0)
+    assert np.isfinite(log.times_s).all() and len(parts) <= len(log.times_s)
+    return [log.times_s, log.position_m, log.effort_times_s, log.efforts]
+
+
+def real_flight(path: Path) -> list[str]:
+    """Read the log of a real flight, as far as the motion and commands of a vehicle."""
+    columns = "t = time [s], h = heading [deg], d = depth [m], a = servo1 [us], b = servo2 [us]"
+    read = named("recording.real_flights.read:read_flight")
+    return _of_flight(read(path, columns if path.suffix == ".csv" else None), "bluerov2_heavy")
+
+
+def _of_flight(log: Any, vehicle: str) -> list[str]:
+    """Return what a log and its motion as a vehicle's have to note."""
+    for each in log.series.values():
+        assert (np.diff(each.times_s) > 0).all() and not np.isinf(each.values).any()
+    said = [*log.notes(), *(text for _, text in log.events)]
+    with suppress(ValueError):
+        model = named("scenario:load_vehicle")(vehicle)
+        motion, notes = named("recording.real_flights.motion:motion_of")(log, model)
+        assert np.isfinite(motion.efforts).all() and np.abs(motion.efforts).max() <= 1.0
+        assert np.allclose(np.linalg.norm(motion.orientation_xyzw, axis=1), 1.0)
+        said += notes
+    return said
+
+
+def glider(path: Path) -> list[str]:
+    """Read what dbdreader gives of a glider's log, times and values by name, here from JSON.
+
+    The library is GPL, so that it is no dependency.
+    """
+    tables = named("base.texts.json_text:read_json")(path)
+
+    class Dbd:
+        def get(self, name: str) -> tuple[Any, Any]:
+            """Return the times and values of a name. Raises LookupError."""
+            times_s, values = (np.array(each, float) for each in tables[name][:2])
+            if times_s.ndim != 1 or times_s.shape != values.shape:
+                raise LookupError(name)  # the library gives equally many of both
+            return times_s, values
+
+    try:
+        log = named("exchange.logs.glider_log:flight_of")(path, Dbd(), LookupError)
+    except TypeError as error:
+        raise ValueError(str(error)) from None
+    return _of_flight(log, "slocum")
+
+
+def robot(path: Path, read: str) -> Any:
+    """Read a robot's description, as far as its vehicles' masses."""
+    found = named(f"exchange.robots.{read}")(path)
+    for each in found.robots:
+        if each.model is None:
+            whole = each.whole()
+            assert whole.mass_kg > 0.0 and np.isfinite(whole.centre_m).all()
+    return repr((found.notes, found.obstacles, [each.thrusters for each in found.robots]))
+
+
+def xacro(path: Path) -> Any:
+    """Expand macros without a process of its own, since the grammar is attacked; that makes one line of any error."""
+    given = {"roots": [str(path.parent)], "packages": {}, "arguments": {}}
+    try:
+        return named("exchange.robots.xacro_process:read")(str(path), given)["document"]
+    except Exception as error:
+        raise ValueError(str(error)) from None
+
+
+def unity_scene(path: Path) -> Any:
+    """Read a scene of Unity."""
+    (path.parent / "Assets").mkdir(exist_ok=True)
+    project = named("exchange.unity.project:Project")(path.parent)
+    return vars(named("exchange.unity.scene:read_scene")(project, path))
+
+
+def result(path: Path) -> Any:
+    """Read a result of a course, with the digest that fits."""
+    found = named("base.texts.json_text:read_json")(path)
+    if isinstance(found, dict):
+        found["digest"] = named("exercises.certified:digest_of")(found)
+        path.write_text(json.dumps(found))
+    table = import_module("uwsim.league.table")
+    return table.table_rows(table.read_results(path.parent))
+
+
+def map_of_bag(path: Path) -> Any:
+    """Make a map of a bag."""
+    return named("recording.foreign_bag:map_from_bag")(path, topic=None, frame=None, voxel_m=0.5).notes
+
+
+def recording(path: Path) -> list[Any]:
+    """Read a recording's messages and its scenario. An incomplete recording is recognised as such."""
+    opened = named("recording:open")(path)
+    if not opened.complete:
+        raise ValueError("not complete")
+    said = [opened.start, opened.end, opened.channels, opened.notes, opened.dropped]
+    said += [repr(message.message) for message in opened.messages(*opened.channels, *opened.derived)]
+    said += [opened.arrow(name).num_rows for name in opened.channels]
+    unpacked = named("recording.capsule:unpack")(opened.attachments, path.with_name("unpacked"))
+    return [*said, *opened.commands(), repr(unpacked)]
+
+
+def map_bytes(path: Path) -> bytes:
+    """Read a map."""
+    return bytes(named("mapping:OccupancyMap.read")(path).to_bytes("ot"))
+
+
+CLOUD, MESH = "mapping.files:read_cloud", "scenario.read.mesh_file:load_mesh"
+CURRENT, OCEAN = "scenario.read.current_grid:read_current_grid", "scenario.read.ocean_file:read_ocean"
+SCANS = "mapping.files.scan_graph:read_scans"
+MISSION, TRACK = "missions.field:read_mission_file", "campaigns.datasets.track:read_track"
+YAMLS = {
+    "scenario": "scenario:load",
+    "vehicle": "scenario.spec.vehicle:load_vehicle",
+    "thruster": "scenario.spec.actuator:load_thruster",
+    "sensors": "scenario.spec.sensor:load_sensors",
+    "sonar": "scenario.spec.sonar:load_sonar",
+    "modem": "scenario.spec.link:load_modem",
+    "prop": lambda path: named("scenario.spec.prop:_prop")(path, SimpleNamespace(context={})),
+    "sweep": "campaigns.sweeps.spec:read_sweep",
+    "exercise": "exercises.exercise:load_exercise",
+    "team": lambda path: named("league.team:load_team")(path.parent),
+    "calibration": "scenario.read.calibration:calibrated_fields",
+    "mapping": "exchange.logs.motion_log:read_mapping",
+}
 READERS = {
-    "map": Reader(others.file("color_tree")),
-    "depth_string": Reader(_depth_string),
-    "pcd": Reader(_cloud(".pcd"), ("numpy.lib.npyio",)),
-    "ply": Reader(_cloud(".ply"), ("numpy.lib.npyio",)),
-    "las": Reader(_cloud(".las"), ("laspy",)),
-    "laz": Reader(_cloud(".laz"), ("laspy",)),
-    "gsf": Reader(surveys.reader(".gsf"), ("GSFU",), has_end=_without_end),
-    "kmall": Reader(surveys.reader(".kmall"), has_end=_without_end),
-    "xtf": Reader(surveys.read_side_scan, ("pyxtf",), has_end=_without_end),
-    "xtf_soundings": Reader(surveys.reader(".xtf"), ("pyxtf",), has_end=_without_end),
-    "xyz": Reader(_cloud(".xyz"), has_end=_without_end),
-    "stl": Reader(_mesh(".stl"), ("trimesh.exchange",), _has_one_solid),
-    "scan_graph": Reader(others.file("scan_graph")),
-    "obj": Reader(_mesh(".obj"), ("trimesh.exchange",), has_end=_without_end),
-    "mesh_ply": Reader(_mesh(".ply"), ("trimesh.exchange",)),
-    "off": Reader(_mesh(".off"), ("trimesh.exchange",)),
-    "glb": Reader(_mesh(".glb"), ("trimesh.exchange",)),
-    "gltf": Reader(_mesh(".gltf"), ("trimesh.exchange",), values=JSON),
-    "fbx": Reader(_mesh(".fbx"), has_end=_without_end),
-    "dae": Reader(_mesh(".dae"), has_end=_without_end),
-    "asc": Reader(_raster(".asc")),
-    "tif": Reader(_raster(".tif")),
-    "bag": Reader(charts.chart(".bag")),
-    "s102": Reader(charts.chart(".h5")),
-    "gebco": Reader(charts.chart(".nc")),
-    "soundings": Reader(charts.soundings, has_end=_without_end),
-    "image": Reader(_image, ("PIL",)),
-    "current_npz": Reader(fields.current(".npz"), ("numpy.lib", "zipfile")),
-    "current_csv": Reader(fields.current(".csv"), ("csv",), has_end=_without_end),
-    "cast": Reader(fields.cast, has_end=_without_end),
-    "argo": Reader(fields.cast, ("scipy.io",), has_end=_without_end),
-    "ocean_csv": Reader(fields.ocean, ("csv",), has_end=_without_end),
-    "ocean_netcdf": Reader(fields.ocean, ("scipy.io",), has_end=_without_end),
-    "scenario": Reader(others.file("scenario"), ("ruamel",), has_end=_without_end, values=YAML_VALUES),
-    **{
-        kind: Reader(others.file(kind), ("ruamel",), has_end=_without_end, values=YAML_VALUES)
-        for kind in ("vehicle", "thruster", "sensors", "sonar", "modem")
-    },
-    "sweep": Reader(others.file("sweep"), ("ruamel",), has_end=_without_end, values=YAML_VALUES),
-    "exercise": Reader(others.file("exercise"), ("ruamel",), has_end=_without_end, values=YAML_VALUES),
-    "json": Reader(text_readers.json_text, ("json",), has_end=_without_end, values=JSON),
-    "mapping": Reader(others.file("mapping"), ("ruamel",), has_end=_without_end, values=YAML_VALUES),
-    "motion_csv": Reader(text_readers.motion_log(".csv"), ("csv",), has_end=_without_end),
-    "motion_mcap": Reader(text_readers.motion_log(".mcap"), ("mcap", "rosbags"), has_end=_without_end),
-    "dataflash": Reader(text_readers.real_flight(".BIN"), ("pymavlink.DFReader",), has_end=_without_end),
-    "tlog": Reader(text_readers.real_flight(".tlog"), has_end=_without_end),
-    "flight_bag": Reader(text_readers.real_flight(".bag"), ("rosbags",), has_end=_without_end),
-    "glider": Reader(text_readers.glider, ("json",), values=JSON),
-    "flight_csv": Reader(text_readers.real_flight(".csv", FLIGHT_COLUMNS), ("csv",), has_end=_without_end),
-    "sdf": Reader(text_readers.robot("sdf", "read_sdf", ".sdf"), ("xml",)),
-    "urdf": Reader(text_readers.robot("urdf", "read_urdf", ".urdf"), ("xml",)),
-    "stonefish": Reader(text_readers.robot("stonefish", "read_stonefish", ".scn"), ("xml",)),
-    "plan": Reader(others.file("mission"), ("json",), values=JSON),
-    "waypoints": Reader(others.file("mission"), has_end=_without_end),
-    "geojson": Reader(others.file("mission"), ("json",), values=JSON),
-    "kml": Reader(others.file("mission"), ("xml",)),
-    "kmz": Reader(others.file("kmz"), ("xml", "zipfile")),
-    "moos": Reader(text_readers.moos, has_end=_without_end),
-    "imc": Reader(text_readers.imc, has_end=_without_end),
-    "thruster_csv": Reader(others.file("thruster_csv"), ("csv",), has_end=_without_end),
-    "profile": Reader(_profile, ("csv",), has_end=_without_end),
-    "track_csv": Reader(_track(".csv"), ("csv",), has_end=_without_end),
-    "track_npz": Reader(_track(".npz"), ("numpy.lib", "zipfile")),
-    "survey_track": Reader(_survey_track, ("numpy.lib", "zipfile")),
-    "notes": Reader(_notes, ("json",), values=JSON),
-    "commands": Reader(_commands, ("pydantic", "json"), has_end=_without_end, values=JSON_LINES),
-    "mcap": Reader(_recording, ("mcap", "rosbags")),
-    "cdr": Reader(_cdr, ("rosbags",)),
-    **{
-        kind: Reader(others.file(kind), ("ruamel",), has_end=_without_end, values=YAML_VALUES)
-        for kind in ("prop", "team", "calibration")
-    },
-    "result": Reader(others.file("result"), ("json",), values=JSON),
-    "unity": Reader(others.file("unity"), ("ruamel",), has_end=_without_end),
-    "xacro": Reader(others.file("xacro"), ("xacro", "xml")),
-    "map_bag": Reader(others.file("map_bag"), has_end=_without_end),
-    "color_tree": Reader(others.file("color_tree")),
-    "ping": Reader(others.ping, has_end=_without_end),
-    "a50": Reader(others.a50, ("json",), has_end=_without_end, values=JSON_LINES),
-    "upload": Reader(others.upload, values=JSON),
-    "mesh_upload": Reader(others.mesh, has_end=_without_end, values=JSON_LINES),
-    "frames": Reader(_frames, ("cbor2", "json"), has_end=_without_end, values=JSON_LINES),
+    "map": file("a.ot", map_bytes),
+    "color_tree": file("a.ot", map_bytes),
+    "depth_string": Reader(streams.depth_string),
+    **{kind: file(f"cloud.{kind}", CLOUD, ("numpy.lib.npyio",)) for kind in ("pcd", "ply")},
+    **{kind: file(f"cloud.{kind}", CLOUD, ("laspy",)) for kind in ("las", "laz")},
+    "xyz": file("cloud.xyz", CLOUD, end=endless),
+    "scan_graph": file("a.graph", lambda path: [scan.points_world_m for scan in named(SCANS)(path)]),
+    "gsf": file("survey.gsf", raw_survey, ("GSFU",), endless),
+    "kmall": file("survey.kmall", raw_survey, end=endless),
+    "xtf": file("survey.xtf", "mapping.files.xtf_read:read_xtf", ("pyxtf",), endless),
+    "xtf_soundings": file("survey.xtf", raw_survey, ("pyxtf",), endless),
+    "stl": file("mesh.stl", MESH, ("trimesh.exchange",), _has_one_solid),
+    "obj": file("mesh.obj", MESH, ("trimesh.exchange",), endless),
+    "mesh_ply": file("mesh.ply", MESH, ("trimesh.exchange",)),
+    "off": file("mesh.off", MESH, ("trimesh.exchange",)),
+    "glb": file("mesh.glb", MESH, ("trimesh.exchange",)),
+    "gltf": file("mesh.gltf", MESH, ("trimesh.exchange",), values=JSON),
+    "fbx": file("mesh.fbx", MESH, end=endless),
+    "dae": file("mesh.dae", MESH, end=endless),
+    "asc": file("terrain.asc", raster),
+    "tif": file("terrain.tif", raster),
+    "bag": file("chart.bag", chart),
+    "s102": file("chart.h5", chart),
+    "gebco": file("chart.nc", chart),
+    "soundings": file("soundings.xyz", soundings, end=endless),
+    "image": file("terrain.png", image, ("PIL",)),
+    "current_npz": file("current.npz", CURRENT, ("numpy.lib", "zipfile")),
+    "current_csv": file("current.csv", CURRENT, ("csv",), endless),
+    "cast": file("cast", water, end=endless),
+    "argo": file("cast", water, ("scipy.io",), endless),
+    "profile": file("profile.csv", water, ("csv",), endless),
+    "ocean_csv": file("ocean", OCEAN, ("csv",), endless),
+    "ocean_netcdf": file("ocean", OCEAN, ("scipy.io",), endless),
+    **{kind: file(f"{kind}.yaml", read, ("ruamel",), endless, YAML_VALUES) for kind, read in YAMLS.items()},
+    "thruster_csv": file("sheet.csv", "scenario.read.spec_file:read_sheet_rows", ("csv",), endless),
+    "motion_csv": file("log.csv", motion_log, ("csv",), endless),
+    "motion_mcap": file("log.mcap", motion_log, ("mcap", "rosbags"), endless),
+    "dataflash": file("dive.BIN", real_flight, ("pymavlink.DFReader",), endless),
+    "tlog": file("dive.tlog", real_flight, end=endless),
+    "flight_bag": file("dive.bag", real_flight, ("rosbags",), endless),
+    "flight_csv": file("dive.csv", real_flight, ("csv",), endless),
+    "glider": file("dive.dbd", glider, ("json",), values=JSON),
+    "map_bag": file("a.bag", map_of_bag, end=endless),
+    "sdf": file("robot.sdf", partial(robot, read="sdf:read_sdf"), ("xml",)),
+    "urdf": file("robot.urdf", partial(robot, read="urdf:read_urdf"), ("xml",)),
+    "stonefish": file("robot.scn", partial(robot, read="stonefish:read_stonefish"), ("xml",)),
+    "xacro": file("a.xacro", xacro, ("xacro", "xml")),
+    "unity": file("a.unity", unity_scene, ("ruamel",), endless),
+    "plan": file("mission", MISSION, ("json",), values=JSON),
+    "waypoints": file("mission", MISSION, end=endless),
+    "geojson": file("mission", MISSION, ("json",), values=JSON),
+    "kml": file("mission", MISSION, ("xml",)),
+    "kmz": file("mission.kmz", MISSION, ("xml", "zipfile")),
+    "track_csv": file("track.csv", TRACK, ("csv",), endless),
+    "track_npz": file("track.npz", TRACK, ("numpy.lib", "zipfile")),
+    "survey_track": file("track.npz", "scoring.survey_track:SurveyTrack.read", ("numpy.lib", "zipfile")),
+    "mcap": file("run.mcap", recording, ("mcap", "rosbags")),
+    "result": file("result.json", result, ("json",), values=JSON),
+    "json": Reader(streams.json_text, ("json",), endless, JSON),
+    "moos": Reader(streams.moos, has_end=endless),
+    "imc": Reader(streams.imc, has_end=endless),
+    "notes": Reader(streams.notes, ("json",), values=JSON),
+    "commands": Reader(streams.commands, ("pydantic", "json"), endless, JSON_LINES),
+    "cdr": Reader(streams.cdr, ("rosbags",)),
+    "ping": Reader(streams.ping, has_end=endless),
+    "a50": Reader(streams.a50, ("json",), endless, JSON_LINES),
+    "upload": Reader(streams.upload, values=JSON),
+    "mesh_upload": Reader(streams.mesh_upload, has_end=endless, values=JSON_LINES),
+    "frames": Reader(streams.frames, ("cbor2", "json"), endless, JSON_LINES),
 }
 """The readers by the name that `tools/fuzz` takes."""

@@ -1,67 +1,32 @@
-"""Inputs that fuzzers start with: small whole files, most of them written by our own writers."""
+"""Inputs that fuzzers start with: small whole files, most of them from the writers of the tests and our own."""
 
 from __future__ import annotations
 
+import base64
 import io
 import json
+import sys
 import tempfile
 import zipfile
 from collections.abc import Callable
+from functools import partial
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from tests.fuzz import charts, fields, others
-from tests.fuzz.readers import CDR_TYPES, simulator_to_restore
+from tests.fuzz.streams import CDR_TYPES, named, simulator_to_restore
 from tests.fuzz.surveys import side_scan, survey, xtf_soundings
-from tests.python.fbx_file import write_blender_fbx
-from tests.python.flight_logs import Flown, dataflash, telemetry
 
-ASC = b"ncols 4\nnrows 3\nxllcorner 1000\nyllcorner 2000\ncellsize 5\nNODATA_value -9999\n" + b"-1 -2 -3 -4\n" * 3
-CSV = b"x_m,y_m,z_m,u_m_s,v_m_s,w_m_s\n0,0,-9,0.1,0,0\n5,0,-9,0.2,0,0\n0,5,-9,0.1,0,0\n5,5,-9,0.3,0,0\n"
-DAE = b"""<?xml version="1.0"?><COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
-<asset><unit name="meter" meter="1"/><up_axis>Z_UP</up_axis></asset><library_geometries><geometry id="g"><mesh>
-<source id="p"><float_array id="a" count="9">0 0 0 1 0 0 0 1 0</float_array><technique_common>
-<accessor source="#a" count="3" stride="3"><param name="X" type="float"/><param name="Y" type="float"/>
-<param name="Z" type="float"/></accessor></technique_common></source>
-<vertices id="v"><input semantic="POSITION" source="#p"/></vertices>
-<triangles count="1"><input semantic="VERTEX" source="#v" offset="0"/><p>0 1 2</p></triangles></mesh></geometry>
-</library_geometries><library_visual_scenes><visual_scene id="s"><node id="n"><instance_geometry url="#g"/></node>
-</visual_scene></library_visual_scenes><scene><instance_visual_scene url="#s"/></scene></COLLADA>
-"""
-PLAN = b"""{"fileType": "Plan", "version": 1, "mission": {"plannedHomePosition": [54.4, 10.2, 0], "items": [
-{"type": "SimpleItem", "command": 16, "frame": 3, "doJumpId": 1, "params": [0, 0, 0, null, 54.4, 10.2, -2]},
-{"type": "ComplexItem", "complexItemType": "survey", "angle": 30, "polygon": [[54.4, 10.2], [54.5, 10.2], [54.5, 10.3]],
-"TransectStyleComplexItem": {"CameraCalc": {"DistanceToSurface": 5, "DistanceMode": 1, "AdjustedFootprintSide": 4},
-"VisualTransectPoints": [[54.4, 10.2], [54.5, 10.2]]}},
-{"type": "ComplexItem", "complexItemType": "CorridorScan", "CorridorWidth": 9, "EntryPoint": 1, "polyline":
-[[54.4, 10.2], [54.5, 10.2], [54.5, 10.3]], "TransectStyleComplexItem": {"TurnAroundDistance": 2, "CameraCalc":
-{"DistanceToSurface": 5, "AdjustedFootprintSide": 4}}},
-{"type": "SimpleItem", "command": 177, "frame": 2, "params": [1, 2, 0, 0, 0, 0, 0]}]},
-"geoFence": {"circles": [{"circle": {"center": [54.4, 10.2], "radius": 50}, "inclusion": true}],
-"polygons": [{"inclusion": false, "polygon": [[54.4, 10.2], [54.5, 10.2], [54.5, 10.3]]}], "version": 2},
-"rallyPoints": {"points": []}}"""
-WPL = b"QGC WPL 110\n0\t1\t0\t16\t0\t0\t0\t0\t54.4\t10.2\t0\t1\n1\t0\t3\t16\t0\t0\t0\t0\t54.5\t10.2\t-2\t1\n"
-GEOJSON = b"""{"type": "FeatureCollection", "features": [
-{"type": "Feature", "properties": {"heading": 30, "depth_m": 2},
-"geometry": {"type": "Polygon", "coordinates": [[[10.2, 54.4], [10.3, 54.4], [10.3, 54.5], [10.2, 54.4]]]}},
-{"type": "Feature", "geometry": {"type": "LineString", "coordinates": [[10.2, 54.4, -2], [10.3, 54.4]]}}]}"""
-KML = b"""<?xml version="1.0"?><kml><Document><Placemark><name>a</name><LineString><altitudeMode>absolute</altitudeMode>
-<coordinates>10.2,54.4,-2 10.3,54.4,-3</coordinates></LineString></Placemark><Placemark><Polygon><outerBoundaryIs>
-<LinearRing><coordinates>10.2,54.4 10.3,54.4 10.3,54.5 10.2,54.4</coordinates></LinearRing></outerBoundaryIs></Polygon>
-</Placemark></Document></kml>"""
-ROBOTS = Path(__file__).parents[1] / "python" / "data" / "robots"
-PROFILE = b"# a cast\ndepth_m,temperature_deg_c,salinity_psu\n0,18,0\n5,12.5,0.1\n20,6,0.2\n"
-SHEET = (
-    b"# ours\nvoltage_v,command,thrust_n,current_a,rpm\n10,-1,-5,1,900\n10,1,5,1,900\n16,-1,-9,2,1200\n16,1,9,2,1200\n"
-)
-MAPPING = b"""time_s: t
-position_m: [x, y, z]
-orientation_xyzw: [a, b, c, d]
-effort: [e, null, null, null, null, null]
-noise: {position: 0.02, attitude: 5e-3}
-"""
-SWEEP = b"""description: two speeds
+TESTS = Path(__file__).parents[1] / "python"
+DATA = TESTS / "data"
+XACRO = """<robot xmlns:xacro="http://www.ros.org/wiki/xacro" name="a"><xacro:arg name="n" default="2"/>
+<xacro:property name="p" value="${2 * (1 + len([pi, 3])) if 1 == 1 else 'a'}"/><xacro:macro name="m" params="a b:=3 *c">
+<link name="${a}_${str(p)[0:1]}_${max(b, 1)}"><xacro:insert_block name="c"/></link></xacro:macro>
+<xacro:m a="$(arg n)"><b/></xacro:m><xacro:if value="$(eval n == 2)"><c/></xacro:if></robot>"""
+UPLOAD = [[0, 4], [0, 16, 0, 0, 0, 0, 0, 0, 0], [3, 16, 0, 0, 0, 0, 0, 0, -2], [3, 18, 1, 0, 2, 0, 9, 9, -2],
+          [2, 178, 1, 0.5, 0, 0, 0, 0, 0], [1, 1], [0, 5003, 9, 1, 0, 0, 0, 0, 0]]  # fmt: skip
+SWEEP = """description: two speeds
 scenario: cove
 method: sobol
 samples: 64
@@ -74,7 +39,6 @@ show: [coverage, simulated_s]
 require: {collisions: {high: 0}}
 worst: 3
 """
-TRACK = b"time_s,x_m,y_m,z_m,yaw_rad,pitch_rad,roll_rad\n0,1,2,-3,0.1,0,0\n0.5,1.5,2,-3,0.2,0,0.01\n"
 COMMANDS: dict[str, dict[str, Any]] = {
     "override_failsafe": {"vehicle": "rov"},
     "set_effort": {"vehicle": "rov", "surge": 0.5, "yaw": -0.2},
@@ -109,29 +73,70 @@ FRAMES = (
     {"op": "set_level", "level": "info"},
     {"op": "unsubscribe", "topic": "/t"},
 )
+PROFILE = "# a cast\ndepth_m,temperature_deg_c,salinity_psu\n0,18,0\n5,12.5,0.1\n20,6,0.2\n"
+SHEET = "# ours\nvoltage_v,command,thrust_n,current_a,rpm\n10,-1,-5,1,9\n10,1,5,1,9\n16,-1,-9,2,12\n16,1,9,2,12\n"
+MAPPING = (
+    "time_s: t\nposition_m: [x, y, z]\norientation_xyzw: [a, b, c, d]\neffort: [e, null, null, null, null, null]\n"
+)
+MOTION = [f"{k / 10},{k / 50},0,-9,0,0,0,1,{0.3 if k < 12 else -0.2}" for k in range(30)]
+FLIGHT = [f"{k / 10},{10 * k},{k / 10},{1500 + 10 * k},1400" for k in range(25)]
+TEXTS: dict[str, list[str]] = {
+    "depth_string": ["\x0312.31a12.3a55a", "\x021E-05a0a", "\x011.234568E+07a"],
+    "profile": [PROFILE],
+    "thruster_csv": [SHEET],
+    "mapping": [f"{MAPPING}noise: {{position: 0.02, attitude: 5e-3}}\n"],
+    "sweep": [SWEEP],
+    "motion_csv": ["\n".join(["t,x,y,z,a,b,c,d,e", *MOTION, ""])],
+    "flight_csv": ["\n".join(["t,h,d,a,b", *FLIGHT, ""])],
+    "track_csv": ["time_s,x_m,y_m,z_m,yaw_rad,pitch_rad,roll_rad\n0,1,2,-3,0.1,0,0\n0.5,1.5,2,-3,0.2,0,0.01\n"],
+    "json": ['{"points_m": [[1, 2.5, -3e2]], "speed": NaN}', '[1, [true, null], "x"]\n'],
+    "team": ["name: A\ncourse: reef-course\nprogram: [python3, pilot.py]\nperiod_s: 0.1\n"],
+    "xacro": [XACRO],
+    "a50": ['{"command": "set_config", "parameters": {"speed_of_sound": 1480}}\n{"command": "trigger_ping"}'],
+    "upload": [json.dumps(UPLOAD)],
+    "commands": ["\n".join(json.dumps({"tick": 0, "name": of, "arguments": given}) for of, given in COMMANDS.items())],
+}
+"""Inputs that are texts."""
 
 
 def seeds(name: str) -> dict[str, bytes]:
     """Return the inputs that a reader's fuzzer starts with, by file name."""
-    made = _MAKERS[name]()
+    made = [text.encode() for text in TEXTS[name]] if name in TEXTS else _MAKERS[name]()
     return {f"{name}-{number}": data for number, data in enumerate(made)}
+
+
+def of_tests(name: str) -> Any:
+    """Return what a module of tests/python writes or holds, by its module and name."""
+    if str(TESTS) not in sys.path:
+        sys.path.append(str(TESTS))
+    module, _, of = name.partition(":")
+    return getattr(import_module(f"tests.python.{module}"), of)
+
+
+def written(name: str, *writers: Callable[[Path], object]) -> list[bytes]:
+    """Return what writers write into a file with this name."""
+    made = []
+    for write in writers:
+        with tempfile.TemporaryDirectory() as folder:
+            write(path := Path(folder) / name)
+            made.append(path.read_bytes())
+    return made
+
+
+def packaged(folder: str) -> list[bytes]:
+    """Return the packaged files of a folder of the assets."""
+    assets = named("scenario.read.assets:assets_folder")()
+    return [path.read_bytes() for path in sorted((assets / folder).glob("*.yaml"))]
 
 
 def _points() -> np.ndarray:
     return np.array([[0.1, 0.2, -3.0], [1.5, -2.25, -3.5], [40.0, 1e-3, -4.0]], np.float32)
 
 
-def _cloud(suffix: str) -> Callable[[], list[bytes]]:
-    def make() -> list[bytes]:
-        from uwsim.mapping.files import write_cloud
-
-        with tempfile.TemporaryDirectory() as folder:
-            path = Path(folder) / f"cloud{suffix}"
-            write_cloud(path, _points())
-            data = Path(__file__).parents[1] / "python" / "data"
-            return [path.read_bytes(), *(each.read_bytes() for each in sorted(data.glob(f"*{suffix}")))]
-
-    return make
+def _cloud(suffix: str) -> list[bytes]:
+    write = named("mapping.files:write_cloud")
+    ours = written(f"cloud.{suffix}", lambda path: write(path, _points()))
+    return [*ours, *(each.read_bytes() for each in sorted(DATA.glob(f"*.{suffix}")))]
 
 
 def _scan_graph() -> list[bytes]:
@@ -146,122 +151,81 @@ def _scan_graph() -> list[bytes]:
     return [np.uint32(2).tobytes() + 2 * node + np.uint32(1).tobytes() + edge]
 
 
-def _mesh(suffix: str) -> Callable[[], list[bytes]]:
-    def make() -> list[bytes]:
-        import trimesh
+def _mesh(kind: str) -> list[bytes]:
+    import trimesh
 
-        box = trimesh.creation.box((1, 2, 3))
-        if suffix == "gltf":  # in one file, with its buffers in base64
-            return [trimesh.exchange.gltf.export_gltf(trimesh.Scene(box), embed_buffers=True)["model.gltf"]]
-        with tempfile.TemporaryDirectory() as folder:
-            path = Path(folder) / f"box.{suffix}"
-            trimesh.Scene(box).export(path) if suffix == "glb" else box.export(path)
-            made = [path.read_bytes()]
-        if suffix == "stl":
-            made.append(box.export(file_type="stl_ascii").encode())
-        if suffix == "ply":
-            made.append(box.export(file_type="ply", encoding="ascii"))
-        return made
-
-    return make
-
-
-def _fbx() -> list[bytes]:
-    corners = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]])
-    quads = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]]
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "part.fbx"
-        return [write_blender_fbx(path, "part", corners.astype(float), np.array(quads, np.int32)).read_bytes()]
+    solid, write = of_tests("scenario.test_meshes:solid")(), of_tests("scenario.test_meshes:write")
+    if kind == "gltf":  # in one file, with its buffers in base64
+        return [trimesh.exchange.gltf.export_gltf(trimesh.Scene(solid), embed_buffers=True)["model.gltf"]]
+    made = written(f"box.{kind}", lambda path: write(path.parent, kind))
+    if kind == "stl":
+        made.append(solid.export(file_type="stl_ascii").encode())
+    if kind == "ply":
+        made.append(solid.export(file_type="ply", encoding="ascii"))
+    return made
 
 
 def _map() -> list[bytes]:
-    from uwsim.mapping import OccupancyMap
-
-    occupancy = OccupancyMap(resolution_m=0.5)
+    occupancy = named("mapping:OccupancyMap")(resolution_m=0.5)
     occupancy.insert_scan(_points(), (0.0, 0.0, 0.0))
     return [occupancy.to_bytes("bt"), occupancy.to_bytes("ot")]
 
 
-def _state() -> list[bytes]:
-    """Return nothing: the native fuzzer mutates states that it saves itself."""
-    return [b""]
+def _colored(path: Path) -> None:
+    of_tests("mapping.test_other_trees:tree_of")(b"ColorOcTree", path.parent)
 
 
-def _depth_string() -> list[bytes]:
-    return [b"\x0312.31a12.3a55a", b"\x021E-05a0a", b"\x011.234568E+07a"]
+def _raster(suffix: str, driver: str, crs: str | None = None, cell: float = 5.0) -> list[bytes]:
+    from affine import Affine
+
+    heights, write = -20.0 - np.arange(48.0).reshape(6, 8), of_tests("exchange.test_from_chart:write")
+    place = Affine(cell, 0, 5, 0, -cell, 43)
+    return written(f"a.{suffix}", lambda path: write(path, heights, driver, crs, place))
 
 
-def _tif() -> list[bytes]:
-    from rasterio.io import MemoryFile
-    from rasterio.transform import from_origin
+def _bag_chart() -> list[bytes]:
+    x, y = np.meshgrid(np.arange(8) + 0.5, np.arange(6) + 0.5)
+    points = np.column_stack([x.ravel(), y.ravel(), -20.0 - x.ravel() - 0.5 * y.ravel()])[1:]  # one cell is empty
+    grid = named("mapping.depth_grid:depth_grid")(points, 1.0)
+    place = named("mapping.files.georeference:Georeference")(
+        named("mapping.files.georeference:metres_about")((5.9, 43.1))
+    )
+    write = named("mapping.files.formats:GRID_FORMATS")[".bag"].write
+    return written("chart.bag", lambda path: write(path, grid, place))
 
-    heights = -np.arange(12, dtype=np.float32).reshape(1, 3, 4)
-    made = []
-    for crs, more in (("EPSG:32616", {}), (None, {"compress": "deflate"}), (None, {"tiled": True, "compress": "lzw"})):
-        with MemoryFile() as memory:
-            size: dict[str, Any] = {"height": 3, "width": 4, "count": 1, "dtype": "float32"}
-            place = from_origin(1000, 2000, 5, 5)
-            with memory.open(driver="GTiff", crs=crs, transform=place, **size, **more) as file:
-                file.write(heights)
-            made.append(bytes(memory.read()))
-    return made
+
+def _s102() -> list[bytes]:
+    depths = 20.0 + np.add.outer(0.5 * np.arange(6), np.arange(8))
+    depths[0, 0] = np.nan
+    return [of_tests("exchange.test_from_chart:s102")(depths, 520_000.0, 5_330_000.0, 1.0)]
+
+
+def _soundings() -> list[bytes]:
+    text = of_tests("exchange.test_soundings:text")
+    grid = np.array([(k % 4, k // 4, -20 - k) for k in range(16)], float)
+    scattered = np.random.default_rng(1).uniform(0.0, 9.0, (40, 3))
+    return [text(grid, " ").encode(), text(scattered, ",", "easting,northing,depth").encode()]
 
 
 def _image() -> list[bytes]:
     from PIL import Image
 
-    grey, made = np.arange(48, dtype=np.uint8).reshape(6, 8), []
-    for array, kind in ((grey, "PNG"), (grey.astype(np.uint16) * 257, "PNG"), (grey, "TIFF"), (grey, "BMP")):
-        file = io.BytesIO()
-        Image.fromarray(array).save(file, kind)
-        made.append(file.getvalue())
-    return made
-
-
-def _npz() -> list[bytes]:
-    made = []
-    for save in (np.savez, np.savez_compressed):
-        file = io.BytesIO()
-        axis = np.array([0.0, 5.0])
-        save(file, x_m=axis, y_m=axis, z_m=axis - 9, velocity_m_s=np.zeros((2, 2, 2, 3)))
-        made.append(file.getvalue())
-    return made
-
-
-def _scenarios() -> list[bytes]:
-    from uwsim.scenario.read.assets import assets_folder
-
-    return [path.read_bytes() for path in sorted((assets_folder() / "scenarios").glob("*.yaml"))]
-
-
-def _parts(folder: str) -> Callable[[], list[bytes]]:
-    def make() -> list[bytes]:
-        from uwsim.scenario.read.assets import assets_folder
-
-        return [path.read_bytes() for path in sorted((assets_folder() / folder).glob("*.yaml"))]
-
-    return make
+    grey = np.arange(48, dtype=np.uint8).reshape(6, 8)
+    pictures = ((grey, "PNG"), (grey.astype(np.uint16) * 257, "PNG"), (grey, "TIFF"), (grey, "BMP"))
+    return written("a", *(lambda path, a=a, kind=kind: Image.fromarray(a).save(path, kind) for a, kind in pictures))
 
 
 def _track_npz() -> list[bytes]:
-    made = []
     turns = np.tile([0.0, 0.0, 0.0, 1.0], (3, 1))
-    for save in (np.savez, np.savez_compressed):
-        file = io.BytesIO()
-        save(file, time_s=np.arange(3.0), position_world_m=_points().astype(np.float64), orientation_xyzw=turns)
-        made.append(file.getvalue())
-    return [*made, *_survey_track()]
+    poses = {"time_s": np.arange(3.0), "position_world_m": _points().astype(float), "orientation_xyzw": turns}
+    saves = (np.savez, np.savez_compressed)
+    return [*written("a.npz", *(lambda path, save=save: save(path, **poses) for save in saves)), *_survey_track()]
 
 
 def _survey_track() -> list[bytes]:
-    from uwsim.scoring.survey_track import SurveyTrack
-
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "track.npz"
-        SurveyTrack(_points().astype(np.float64), np.array([[0.0, 0.0], [9.0, 0.0], [0.0, 9.0]]), 50.0, "lake").write(
-            path
-        )
-        return [path.read_bytes()]
+    area = np.array([[0.0, 0.0], [9.0, 0.0], [0.0, 9.0]])
+    track = named("scoring.survey_track:SurveyTrack")(_points().astype(np.float64), area, 50.0, "lake")
+    return written("track.npz", track.write)
 
 
 def _notes() -> list[bytes]:
@@ -272,11 +236,6 @@ def _notes() -> list[bytes]:
     return [_core.saved_notes(saved, scenario_fingerprint(sim.scenario), build_fingerprint()).encode()]
 
 
-def _motion_log() -> list[bytes]:
-    rows = [f"{0.1 * k:.1f},{0.02 * k:.2f},0,-9,0,0,0,1,{0.3 if k < 12 else -0.2}" for k in range(30)]
-    return ["\n".join(["t,x,y,z,a,b,c,d,e", *rows, ""]).encode()]
-
-
 def _glider() -> list[bytes]:
     quantities = ("roll", "pitch", "heading", "depth", "lat", "lon", "ballast_pumped", "battpos")
     names = [f"m_{each}" for each in quantities]
@@ -284,69 +243,57 @@ def _glider() -> list[bytes]:
     return [json.dumps({name: [times_s, [0.01 * k * j for j in range(12)]] for k, name in enumerate(names)}).encode()]
 
 
+def _plans() -> list[bytes]:
+    """A survey, a corridor with a fence, and a route with a jump."""
+    plan, fenced, simple, corridor, box, route, files = (
+        of_tests(f"missions.test_field_files:{name}")
+        for name in ("plan", "fenced", "simple", "corridor", "BOX", "TRANSECTS", "FILES")
+    )
+    lanes = fenced(corridor([(0, 0), (20, 0)], 8, 4), box, circles=[((2.0, 5.0), 1.0, False)])
+    return [text.encode() for text in (lanes, files["survey.plan"], plan(*route, simple(177, 1, 2)))]
+
+
 def _kmz(method: int) -> bytes:
     file = io.BytesIO()
     with zipfile.ZipFile(file, "w", method) as archive:
-        archive.writestr("doc.kml", KML)
+        archive.writestr("doc.kml", of_tests("missions.test_field_files:KML"))
         archive.writestr("images/a.png", b"")
     return file.getvalue()
 
 
-def _flight() -> Flown:
-    """Return a flight of 25 rows, of no model."""
+def _flight(write: str) -> list[bytes]:
+    """Write a flight of 25 rows, of no model."""
     k = np.arange(25.0)
     still, turns = np.zeros((25, 6)), np.tile([0.0, 0.0, 0.0, 1.0], (25, 1))
-    return Flown(0.1 * k, np.outer(k, [0.1, 0.1, -1.0]), turns, still, np.tile(1500 + 10 * k[:, None].astype(int), 8))
+    pulses = np.tile(1500 + 10 * k[:, None].astype(int), 8)
+    flown = of_tests("flight_logs:Flown")(0.1 * k, np.outer(k, [0.1, 0.1, -1.0]), turns, still, pulses)
+    return [of_tests(f"flight_logs:{write}")(flown)]
 
 
-def _bag(topic: str, name: str, fields: Callable[[Any, int], dict[str, Any]]) -> list[bytes]:
-    """A bag of ROS 1 with 25 messages. fields: from the types by name, and a message's number."""
-    from rosbags.rosbag1 import Writer
-    from rosbags.typesys import Stores, get_typestore
-
-    store = get_typestore(Stores.ROS1_NOETIC)
-    with tempfile.TemporaryDirectory() as folder:
-        with Writer(path := Path(folder) / "dive.bag") as writer:
-            connection = writer.add_connection(topic, name, typestore=store)
-            for k in range(25):
-                message = store.types[name](**fields(store.types, k))
-                writer.write(connection, 10**8 * (k + 1), store.serialize_ros1(message, name))
-        return [path.read_bytes()]
+def _bag_of_commands() -> list[bytes]:
+    store, write = (of_tests(f"recording.test_foreign_bag:{name}") for name in ("ROS1", "write1"))
+    name = "std_msgs/msg/Float64MultiArray"
+    layout = store.types["std_msgs/msg/MultiArrayLayout"](dim=[], data_offset=0)
+    rows = [store.types[name](layout=layout, data=np.full(8, 0.01 * k)) for k in range(25)]
+    return written(
+        "dive.bag", lambda path: write(path, [("/thrusters", name, 0.1 * (k + 1), row) for k, row in enumerate(rows)])
+    )
 
 
-def _commanded(t: Any, k: int) -> dict[str, Any]:
-    return {"layout": t["std_msgs/msg/MultiArrayLayout"](dim=[], data_offset=0), "data": np.full(8, 0.01 * k)}
+def _bag_of_clouds() -> list[bytes]:
+    store, write, dive = (of_tests(f"recording.test_foreign_bag:{name}") for name in ("ROS1", "write1", "dive"))
+    return written("dive.bag", lambda path: write(path, dive(store)))
 
 
-def _scanned(t: Any, k: int) -> dict[str, Any]:
-    stamp = t["builtin_interfaces/msg/Time"](sec=k, nanosec=0)
-    numbers = ("angle_min", "angle_max", "angle_increment", "time_increment", "scan_time", "range_min", "range_max")
-    found: dict[str, Any] = dict(zip(numbers, (-0.5, 0.4, 0.01, 0.0, 0.0, 0.1, 30.0), strict=True))
-    header = t["std_msgs/msg/Header"](seq=k, stamp=stamp, frame_id="sonar")
-    return found | {"header": header, "ranges": np.full(91, 4.05, np.float32), "intensities": np.zeros(0, np.float32)}
-
-
-def _flight_table() -> list[bytes]:
-    rows = [f"{0.1 * k:.1f},{10 * k},{0.1 * k:.1f},{1500 + 10 * k},1400" for k in range(25)]
-    return ["\n".join(["t,h,d,a,b", *rows, ""]).encode()]
-
-
-def _motion_recording() -> list[bytes]:
-    from uwsim import Simulator
-    from uwsim.recording import Recorder
-
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "run.mcap"
-        sim = Simulator("pool", seed=3)
-        with Recorder(sim, path, topics=("odom", "telemetry")):
-            sim.rov.release()
+def _recorded(topics: tuple[str, ...], seconds: float) -> bytes:
+    def record(path: Path) -> None:
+        sim = named("simulator.simulator:Simulator")("pool", seed=3)
+        with named("recording:Recorder")(sim, path, topics=topics):
+            sim.rov.undock()
             sim.rov.set_effort(surge=0.3)
-            sim.advance(3.0)
-        return [path.read_bytes()]
+            sim.advance(seconds)
 
-
-def _commands() -> list[bytes]:
-    return [b"\n".join(json.dumps({"tick": 0, "name": n, "arguments": a}).encode() for n, a in COMMANDS.items())]
+    return written("run.mcap", record)[0]
 
 
 def _recordings() -> list[bytes]:
@@ -354,16 +301,7 @@ def _recordings() -> list[bytes]:
     from mcap.reader import make_reader
     from mcap.writer import CompressionType, Writer
 
-    from uwsim import Simulator
-    from uwsim.recording import Recorder
-
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "run.mcap"
-        sim = Simulator("pool", seed=3)
-        with Recorder(sim, path, topics=("odom", "imu", "depth")):
-            sim.rov.undock()
-            sim.advance(0.1)
-        data = path.read_bytes()
+    data = _recorded(("odom", "imu", "depth"), 0.1)
     out = io.BytesIO()
     plain = Writer(out, compression=CompressionType.NONE, enable_crcs=False)
     plain.start()
@@ -386,10 +324,8 @@ def _recordings() -> list[bytes]:
 
 
 def _cdr() -> list[bytes]:
-    from uwsim.channels.ros.cdr import encode
-    from uwsim.channels.ros.messages import default_message
-
-    return [bytes([number]) + bytes(encode(default_message(name))) for number, name in enumerate(CDR_TYPES)]
+    encode, message = named("channels.ros.cdr:encode"), named("channels.ros.messages:default_message")
+    return [bytes([number]) + bytes(encode(message(name))) for number, name in enumerate(CDR_TYPES)]
 
 
 def _frames() -> list[bytes]:
@@ -399,76 +335,104 @@ def _frames() -> list[bytes]:
     return [text, b"\n".join(b"#" + cbor2.dumps(frame).hex().encode() for frame in FRAMES)]
 
 
+def _exchanged(file: str) -> list[bytes]:
+    """Return what other programs have sent, all of it and message by message."""
+    rows = json.loads((DATA / file).read_text())
+    sent = [bytes.fromhex(row["bytes"]) for row in rows if row.get("from", "MOOSDB") == "MOOSDB"]
+    return [b"".join(sent), *sent]
+
+
+def _pings() -> list[bytes]:
+    """Return messages to a Ping1D and a Ping360."""
+    encoded = named("bridges.ping.wire:encoded")
+    values = {"scan_start": 0, "scan_length": 9000, "requested_id": 1211, "id": 1, "reserved": 0}
+    return [b"".join(encoded(number, values, source=1) for number in (1001, 6, 2000, 1400))]
+
+
+def _parts(content: bytes) -> list[bytes]:
+    """Return an upload of a mesh in two parts, one a line."""
+    half, about = len(content) // 2, {"name": "a.stl", "size": len(content)}
+    cut = ((0, content[:half]), (half, content[half:]))
+    rows = [{**about, "at": at, "data": base64.b64encode(data).decode()} for at, data in cut]
+    return ["\n".join(map(json.dumps, rows)).encode()]
+
+
+def _result() -> list[bytes]:
+    found = of_tests("league.test_table:result_of")("a", {1: 9.0, 2: 3.0})
+    return [json.dumps({key: value for key, value in found.items() if key != "digest"}).encode()]
+
+
+def _scene() -> list[bytes]:
+    thing, cube = of_tests("exchange.test_unity:thing"), of_tests("exchange.test_unity:CUBE")
+    return [("%YAML 1.1\n" + thing(100, "wall", cube, "1, y: 2, z: 3")).encode()]
+
+
+def _texts_of(name: str) -> list[bytes]:
+    """Return texts that a module of the tests holds."""
+    held = of_tests(name)
+    texts = [held] if isinstance(held, str | bytes) else [text for text, _ in held.values()]
+    return [text if isinstance(text, bytes) else text.encode() for text in texts]
+
+
 _MAKERS: dict[str, Callable[[], list[bytes]]] = {
-    **{suffix[1:]: _cloud(suffix) for suffix in (".pcd", ".ply", ".las", ".laz", ".xyz")},
-    **{suffix: _mesh(suffix) for suffix in ("stl", "obj", "off", "glb", "gltf")},
-    "mesh_ply": _mesh("ply"),
+    **{kind: partial(_cloud, kind) for kind in ("pcd", "ply", "las", "laz", "xyz")},
+    **{kind: partial(_mesh, kind) for kind in ("stl", "obj", "off", "glb", "gltf")},
+    "mesh_ply": lambda: _mesh("ply"),
+    "fbx": lambda: [*_mesh("fbx"), (DATA / "pair.fbx").read_bytes()],
+    "dae": lambda: written("a.dae", of_tests("scenario.test_meshes:write_collada")),
     "map": _map,
+    "color_tree": lambda: [*written("other.ot", _colored), _map()[1]],
+    "state": lambda: [b""],  # the native fuzzer mutates states that it saves itself
+    "scan_graph": _scan_graph,
     "gsf": lambda: [survey(".gsf")],
     "kmall": lambda: [survey(".kmall")],
     "xtf": lambda: [side_scan()],
     "xtf_soundings": lambda: [xtf_soundings(), xtf_soundings(61)],
-    "state": _state,
-    "depth_string": _depth_string,
-    "fbx": _fbx,
-    "dae": lambda: [DAE],
-    "asc": lambda: [ASC],
-    "tif": _tif,
-    "bag": charts.made(".bag"),
-    "s102": charts.surface,
-    "scan_graph": _scan_graph,
-    "gebco": charts.elevations,
-    "soundings": charts.sounded,
+    "asc": lambda: _raster("asc", "AAIGrid"),
+    "tif": lambda: [*_raster("tif", "GTiff"), *_raster("tif", "GTiff", "EPSG:32616")],
+    "gebco": lambda: _raster("nc", "netCDF", "EPSG:4326", 1 / 240),
+    "bag": _bag_chart,
+    "s102": _s102,
+    "soundings": _soundings,
     "image": _image,
-    "current_npz": _npz,
-    "current_csv": lambda: [CSV],
-    "cast": fields.casts,
-    "argo": fields.argo,
-    "ocean_csv": fields.ocean_csv,
-    "ocean_netcdf": fields.ocean_netcdf,
-    "scenario": _scenarios,
-    **{kind: _parts(f"{kind.removesuffix('s')}s") for kind in ("vehicle", "thruster", "sensors", "sonar", "modem")},
-    "sweep": lambda: [SWEEP],
-    "exercise": _parts("exercises"),
-    "json": lambda: [b'{"points_m": [[1, 2.5, -3e2]], "speed": NaN}', b'[1, [true, null], "x"]\n'],
-    "mapping": lambda: [MAPPING],
-    "motion_csv": _motion_log,
-    "motion_mcap": _motion_recording,
-    "dataflash": lambda: [dataflash(_flight())],
-    "tlog": lambda: [telemetry(_flight())],
-    "flight_bag": lambda: _bag("/thrusters", "std_msgs/msg/Float64MultiArray", _commanded),
+    **{
+        f"current_{kind}": lambda kind=kind: written(f"a.{kind}", of_tests("scenario.test_water:write_grid"))
+        for kind in ("npz", "csv")
+    },
+    "cast": lambda: [*_texts_of("scenario.test_casts:FILES"), PROFILE.encode()],
+    "argo": lambda: written("float", partial(of_tests("scenario.test_casts:write_argo"), temperature_flags="111")),
+    "ocean_csv": lambda: written("a", lambda path: of_tests("scenario.test_ocean:write")(path, "csv")),
+    "ocean_netcdf": lambda: written("a", lambda path: of_tests("scenario.test_ocean:write")(path, "classic")),
+    "scenario": lambda: packaged("scenarios"),
+    "exercise": lambda: packaged("exercises"),
+    **{kind: partial(packaged, f"{kind}s") for kind in ("vehicle", "thruster", "sonar", "modem", "prop")},
+    "sensors": lambda: packaged("sensors"),
+    "calibration": lambda: _texts_of("scenario.test_calibration:ROS"),
+    "motion_mcap": lambda: [_recorded(("odom", "telemetry"), 3.0)],
+    "dataflash": lambda: _flight("dataflash"),
+    "tlog": lambda: _flight("telemetry"),
+    "flight_bag": _bag_of_commands,
     "glider": _glider,
-    "flight_csv": _flight_table,
-    "sdf": lambda: [(ROBOTS / "glider.sdf").read_bytes()],
-    "urdf": lambda: [(ROBOTS / "sled.urdf").read_bytes()],
-    "stonefish": lambda: [(ROBOTS / "robot.scn").read_bytes()],
-    "plan": lambda: [PLAN],
-    "waypoints": lambda: [WPL],
-    "geojson": lambda: [GEOJSON],
-    "kml": lambda: [KML],
+    "map_bag": _bag_of_clouds,
+    **{
+        kind: lambda file=file: [(DATA / "robots" / file).read_bytes()]
+        for kind, file in (("sdf", "glider.sdf"), ("urdf", "sled.urdf"), ("stonefish", "robot.scn"))
+    },
+    "unity": _scene,
+    "plan": _plans,
+    "waypoints": lambda: _texts_of("missions.test_field_files:WPL"),
+    "geojson": lambda: _texts_of("missions.test_charts:AREA"),
+    "kml": lambda: [*_texts_of("missions.test_field_files:KML"), *_texts_of("missions.test_charts:KML_AREA")],
     "kmz": lambda: [_kmz(zipfile.ZIP_STORED), _kmz(zipfile.ZIP_DEFLATED)],
-    "moos": others.moos,
-    "imc": others.imc,
-    "thruster_csv": lambda: [SHEET],
-    "profile": lambda: [PROFILE],
-    "track_csv": lambda: [TRACK],
     "track_npz": _track_npz,
     "survey_track": _survey_track,
+    "result": _result,
+    "moos": lambda: _exchanged("moos/exchange.json"),
+    "imc": lambda: _exchanged("imc/packets.json"),
     "notes": _notes,
-    "commands": _commands,
     "mcap": _recordings,
     "cdr": _cdr,
-    "prop": _parts("props"),
-    "team": lambda: [others.TEAM],
-    "calibration": lambda: [others.CAMERA],
-    "result": lambda: [json.dumps(others.RESULT).encode()],
-    "unity": lambda: [others.SCENE],
-    "xacro": lambda: [others.XACRO],
-    "map_bag": lambda: _bag("/scan", "sensor_msgs/msg/LaserScan", _scanned),
-    "color_tree": lambda: [others.colored(_map()[1]), _map()[1]],
-    "ping": lambda: [others.pings()],
-    "a50": lambda: [b'{"command": "set_config", "parameters": {"speed_of_sound": 1480}}\n{"command": "trigger_ping"}'],
-    "upload": lambda: [json.dumps(others.UPLOAD).encode()],
-    "mesh_upload": lambda: [others.parts(_mesh("stl")()[0])],
+    "ping": _pings,
+    "mesh_upload": lambda: _parts(_mesh("stl")[0]),
     "frames": _frames,
 }

@@ -1,30 +1,12 @@
-"""Raw surveys: a reader of their formats for the fuzzers, and the small file with which these start."""
+"""Small raw surveys, with which tests and fuzzers start."""
 
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from tests.python.mapping.kmall_file import kmall
-
-
-def reader(suffix: str) -> Callable[[bytes, Path], Any]:
-    """Return a reader of a raw survey: its profile and the directions of its beams."""
-
-    def read(data: bytes, folder: Path) -> Any:
-        from uwsim.mapping.files.swath import survey_format
-
-        path = folder / f"survey{suffix}"
-        path.write_bytes(data)
-        read_survey = survey_format(path, "--from").read
-        assert read_survey is not None
-        head, swaths = read_survey(path)
-        return [head.profile.depths_m.tobytes(), *(swath.axes.tobytes() for swath in swaths)]
-
-    return read
 
 
 def survey(suffix: str, depth_m: float = 2.0) -> bytes:
@@ -75,16 +57,6 @@ def xtf_soundings(*kinds: int) -> bytes:
         ping.NumBytesThisRecord = len(bytes(ping)) + len(data)
         records.append(bytes(ping) + data)
     return b"".join(records)
-
-
-def read_side_scan(data: bytes, folder: Path) -> Any:
-    """Read a side-scan survey: the levels of its lines."""
-    from uwsim.mapping.files.xtf_read import read_xtf
-
-    path = folder / "survey.xtf"
-    path.write_bytes(data)
-    head, lines = read_xtf(path)
-    return [head.range_max_m, *(line.port_db.tobytes() + line.starboard_db.tobytes() for line in lines)]
 
 
 def side_scan() -> bytes:

@@ -1,13 +1,14 @@
 """`uwsim scenario from` a chart: the largest square without gaps becomes a bed at its place, with its own heights."""
 
+import io
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 import rasterio
 from affine import Affine
 from rasterio.shutil import copy
-from tests.fuzz.charts import s102
 
 from uwsim.exchange.charts import _largest_squares, scenario_from_chart
 from uwsim.exchange.cli.scenario_from import scenario_from
@@ -27,6 +28,25 @@ def write(path: Path, heights: np.ndarray, driver: str, crs: str, transform: Aff
     if driver != "GTiff":
         copy(tiff, path, driver=driver)
     return path
+
+
+def s102(depths: np.ndarray, west_m: float, south_m: float, spacing_m: float) -> bytes:
+    """Return what matters of S-102 3.0.0 (IHO, 2024): depths in rows from the south, positive down, in UTM zone 10."""
+    rows, columns = depths.shape
+    values = np.zeros((rows, columns), [("depth", "<f4")])
+    values["depth"] = np.where(np.isfinite(depths), depths, 1e6)
+    with h5py.File(memory := io.BytesIO(), "w") as file:
+        file.attrs["productSpecification"] = "INT.IHO.S-102.3.0.0"
+        file.attrs["horizontalCRS"] = np.int32(32610)
+        file.create_group("Group_F")
+        coverage = file.create_group("BathymetryCoverage").create_group("BathymetryCoverage.01")
+        for axis, origin, count in (("Longitud", west_m, columns), ("Latitud", south_m, rows)):
+            coverage.attrs[f"gridOrigin{axis}e"] = origin + 0.5 * spacing_m
+            coverage.attrs[f"gridSpacing{axis}inal"] = spacing_m
+            coverage.attrs[f"numPoints{axis}inal"] = np.uint32(count)
+        coverage.attrs["startSequence"] = "0,0"
+        coverage.create_group("Group_001").create_dataset("values", data=values)
+    return memory.getvalue()
 
 
 def test_the_largest_square_is_that_of_trying_all():

@@ -60,14 +60,24 @@ def scan(store: Any, time_s: float) -> Any:
     )  # fmt: skip
 
 
-def write2(path: Path, messages: list[tuple[str, str, float, Any]], plugin: StoragePlugin = StoragePlugin.MCAP) -> Path:
-    with Writer(path, version=9, storage_plugin=plugin) as writer:
-        known = {}
+Messages = list[tuple[str, str, float, Any]]
+
+
+def written(path: Path, writer: Any, store: Any, serialize: Any, messages: Messages) -> Path:
+    with writer:
+        kinds = {topic: kind for topic, kind, *_ in messages}
+        known = {topic: writer.add_connection(topic, kind, typestore=store) for topic, kind in kinds.items()}
         for topic, kind, time_s, message in messages:
-            if topic not in known:
-                known[topic] = writer.add_connection(topic, kind, typestore=ROS2)
-            writer.write(known[topic], round(1e9 * time_s), ROS2.serialize_cdr(message, kind))
+            writer.write(known[topic], round(1e9 * time_s), serialize(message, kind))
     return path
+
+
+def write1(path: Path, messages: Messages) -> Path:
+    return written(path, Writer1(path), ROS1, ROS1.serialize_ros1, messages)
+
+
+def write2(path: Path, messages: Messages, plugin: StoragePlugin = StoragePlugin.MCAP) -> Path:
+    return written(path, Writer(path, version=9, storage_plugin=plugin), ROS2, ROS2.serialize_cdr, messages)
 
 
 def built(source: Path, folder: Path, *options: object) -> tuple[OccupancyMap, str]:
@@ -88,13 +98,7 @@ def dive(store: Any) -> list[tuple[str, str, float, Any]]:
 @pytest.mark.parametrize("kind", ["mcap", "sqlite", "ros1"])
 def test_clouds_are_where_interpolated_transforms_put_them(kind: str, tmp_path: Path) -> None:
     if kind == "ros1":
-        path = tmp_path / "dive.bag"
-        with Writer1(path) as writer:
-            known = {}
-            for topic, type_name, time_s, message in dive(ROS1):
-                if topic not in known:
-                    known[topic] = writer.add_connection(topic, type_name, typestore=ROS1)
-                writer.write(known[topic], round(1e9 * time_s), ROS1.serialize_ros1(message, type_name))
+        path = write1(tmp_path / "dive.bag", dive(ROS1))
     else:
         path = write2(tmp_path / "bag", dive(ROS2), StoragePlugin.MCAP if kind == "mcap" else StoragePlugin.SQLITE3)
     found, printed = built(path, tmp_path)

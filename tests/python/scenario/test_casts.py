@@ -139,10 +139,10 @@ def test_the_depth_at_a_pressure_is_unescos() -> None:
     assert depth_at_m(np.array([10_000.0]), 30.0)[0] == pytest.approx(9712.653, abs=5e-4)
 
 
-def test_an_argo_profile_has_its_adjusted_good_values(tmp_path: Path) -> None:
+def write_argo(path: Path, temperature_flags: str = "141") -> None:
+    """Write a profile of an Argo float: three levels, by default the second with a bad temperature."""
     from scipy.io import netcdf_file
 
-    path = tmp_path / "float"
     with netcdf_file(path, "w") as file:
         file.createDimension("N_PROF", 1)
         file.createDimension("N_LEVELS", 3)
@@ -153,7 +153,11 @@ def test_an_argo_profile_has_its_adjusted_good_values(tmp_path: Path) -> None:
             adjusted = file.createVariable(f"{name}_ADJUSTED", "f", ("N_PROF", "N_LEVELS"))
             adjusted[:], adjusted._FillValue = [values], np.float32(99999.0)
             flags = file.createVariable(f"{name}_ADJUSTED_QC", "c", ("N_PROF", "N_LEVELS"))
-            flags[:] = np.array([[b"1", b"4" if name == "TEMP" else b"1", b"1"]])
+            flags[:] = np.array([list(temperature_flags if name == "TEMP" else "111")], "S1")
+
+
+def test_an_argo_profile_has_its_adjusted_good_values(tmp_path: Path) -> None:
+    write_argo(path := tmp_path / "float")
     columns = read_cast(path).columns
     np.testing.assert_allclose(columns["depth_m"], depth_at_m(np.array([5.0, 20.0]), 60.0))
     np.testing.assert_array_equal([columns["temperature_deg_c"], columns["salinity_psu"]], [[9, 7], [34, 36]])

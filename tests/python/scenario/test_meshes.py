@@ -103,10 +103,11 @@ def test_every_format_gives_the_same_solid_in_the_same_place(
     assert capfd.readouterr() == ("", "")
 
 
-def test_lines_beside_the_triangles_of_a_collada_file_are_left_out(tmp_path: Path) -> None:
+def write_collada(path: Path) -> None:
+    """Write the box with a line beside its triangles."""
     box = solid()
     x, y, z = (f'<param name="{axis}" type="float"/>' for axis in "XYZ")
-    (tmp_path / "a.dae").write_text(f"""<?xml version="1.0"?>
+    path.write_text(f"""<?xml version="1.0"?>
 <COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
 <asset><unit meter="1"/><up_axis>Z_UP</up_axis></asset>
 <library_geometries><geometry id="box"><mesh>
@@ -121,6 +122,10 @@ def test_lines_beside_the_triangles_of_a_collada_file_are_left_out(tmp_path: Pat
 <library_visual_scenes><visual_scene id="all"><node><instance_geometry url="#box"/></node></visual_scene>
 </library_visual_scenes><scene><instance_visual_scene url="#all"/></scene></COLLADA>
 """)
+
+
+def test_lines_beside_the_triangles_of_a_collada_file_are_left_out(tmp_path: Path) -> None:
+    write_collada(tmp_path / "a.dae")
     vertices, triangles = load_mesh(tmp_path / "a.dae")
     np.testing.assert_allclose([vertices.min(axis=0), vertices.max(axis=0)], [LOW, HIGH], atol=1e-5)
     assert len(triangles) == 12

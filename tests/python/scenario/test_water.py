@@ -77,18 +77,22 @@ def test_gusts_vary_about_their_mean_and_depend_on_the_seed() -> None:
     assert speeds[7] != other.velocity_m_s([[0, 0, -1]], 35.0)[0, 0]
 
 
-@pytest.mark.parametrize("suffix", ["npz", "csv"])
-def test_a_grid_file_is_trilinear_between_its_points(suffix: str, tmp_path: Path) -> None:
+def write_grid(path: Path) -> None:
+    """Write a current that is linear in each direction, as .npz or .csv."""
     x, y, z = np.array([-5.0, 0, 10]), np.array([0.0, 4]), np.array([-20.0, -10, 0])
     zz, yy, xx = np.meshgrid(z, y, x, indexing="ij")
     velocity = np.stack([0.01 * xx, 0.02 * yy + 0.001 * xx, 0.001 * zz], axis=-1)
-    path = tmp_path / f"field.{suffix}"
-    if suffix == "npz":
+    if path.suffix == ".npz":
         np.savez(path, x_m=x, y_m=y, z_m=z, velocity_m_s=velocity)
     else:
         rows = np.column_stack([xx.ravel(), yy.ravel(), zz.ravel(), velocity.reshape(-1, 3)])
         shuffled = np.random.default_rng(0).permutation(rows)
         np.savetxt(path, shuffled, delimiter=",", header="x_m,y_m,z_m,u_m_s,v_m_s,w_m_s", comments="")
+
+
+@pytest.mark.parametrize("suffix", ["npz", "csv"])
+def test_a_grid_file_is_trilinear_between_its_points(suffix: str, tmp_path: Path) -> None:
+    write_grid(path := tmp_path / f"field.{suffix}")
     water = built({"current": {"kind": "grid", "file": path.name}}, folder=tmp_path)
     np.testing.assert_allclose(water.velocity_m_s([[2.0, 1.0, -13.0]]), [[0.02, 0.022, -0.013]], atol=1e-12)
 
