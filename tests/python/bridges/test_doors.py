@@ -174,7 +174,10 @@ def receives(client: socket.socket, words: bytes, limit_s: float = PATIENCE_S) -
 def test_silent_clients_shut_no_door_and_listeners_are_served_where_it_speaks_first(
     lagoon: Path, programs: Programs
 ) -> None:
-    """At each TCP door of ours, a newcomer comes in whatever crowd is silent there, if it has spoken once or never."""
+    """At each TCP door of ours, a newcomer comes in whatever crowd is silent there.
+
+    The crowd has spoken once or never, or has begun to speak, or said something false.
+    """
     ports = {door: free_port() for door in DOORS if door.option in OPENINGS and NEEDS.get(door.option, True)}
     words = [
         re.sub(r"\b0$", str(port), word) for door, port in ports.items() for word in door.example or ("--port", "0")
@@ -184,9 +187,10 @@ def test_silent_clients_shut_no_door_and_listeners_are_served_where_it_speaks_fi
             opening, answer, crowd = OPENINGS[door.option]
             with ExitStack() as stack:
                 come = lambda: stack.enter_context(socket.create_connection(("127.0.0.1", port)))  # noqa: B023, E731
+                false = opening[:-1] + bytes(byte ^ 1 for byte in opening[-1:])
                 for k in range(crowd):
                     with suppress(ConnectionError):
-                        come().sendall(opening if k % 2 else b"")
+                        come().sendall((b"", opening, opening[:-2], opening, false, opening)[k % 6])
                 newcomer = come()
                 newcomer.sendall(opening)
                 assert receives(newcomer, answer), f"{door.option}: a newcomer that speaks"

@@ -82,19 +82,6 @@ def test_half_open_connections_are_bounded_and_leave_room_again(
             assert json.loads(client.recv(PATIENCE_S))["result"]
 
 
-def test_silent_connections_shut_out_no_client(server: RosbridgeServer) -> None:
-    """A client connects at once while silent connections hold all of their places, and more keep coming."""
-    with ExitStack() as stack:
-        strangers = [
-            stack.enter_context(socket.create_connection(("127.0.0.1", server.port)))
-            for _ in range(2 * (PLACES + HALF_OPEN_MAX))
-        ]
-        with connect(server.url, compression=None, open_timeout=2) as client:
-            client.send(LAST)
-            assert json.loads(client.recv(PATIENCE_S))["result"]
-        assert not cut_off(strangers[-1])
-
-
 def test_a_warning_of_each_kind_is_logged_once_a_minute(
     monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
