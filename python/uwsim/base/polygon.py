@@ -8,13 +8,13 @@ from numpy.typing import NDArray
 from uwsim.base.arrays import Floats
 
 
-def inside(points: Floats, corners: Floats) -> NDArray[np.bool_]:
-    """Return a mask (n,) of the points (n, 2) inside a polygon (m, 2), by the even-odd rule."""
+def inside(points: NDArray[np.floating], corners: Floats) -> NDArray[np.bool_]:
+    """Return a mask (n,) of the points (n, 2) inside a polygon (m, 2) of either winding, by the even-odd rule."""
     x, y = points.T
     inside = np.zeros(len(points), np.bool_)
     for (x0, y0), (x1, y1) in zip(corners, np.roll(corners, -1, axis=0), strict=True):
         if y0 != y1:
-            inside ^= ((y0 > y) != (y1 > y)) & (x < (x1 - x0) * (y - y0) / (y1 - y0) + x0)
+            inside ^= ((y0 > y) != (y1 > y)) & (x < x0 + (y - y0) * ((x1 - x0) / (y1 - y0)))
     return inside
 
 

@@ -12,6 +12,7 @@ from scipy.spatial import ConvexHull
 
 from uwsim import _core
 from uwsim.base.atomic_file import write_atomically
+from uwsim.base.polygon import inside
 from uwsim.figures.clip_prism import ClipPrism
 from uwsim.figures.pinhole_view import view_of_box
 from uwsim.figures.reel import PictureStore
@@ -25,7 +26,6 @@ from uwsim.figures.truth_and_map import (
     grid_inside,
     ground_heights,
 )
-from uwsim.scoring.polygon import inside_polygon
 
 FILMS = (".webp", ".gif")
 GAP_PIXELS, HEAD_PIXELS = 16, 44
@@ -70,7 +70,7 @@ class MapFilm:
         self.pictures.add(picture)
 
     def _map(self, centres_m: NDArray[np.float64], path_world_m: NDArray[np.float64]) -> Image.Image:
-        mapped = centres_m[inside_polygon(centres_m[:, :2], self._area)]
+        mapped = centres_m[inside(centres_m[:, :2], self._area)]
         if len(mapped):
             cubes = Subject(cast_at_cubes(mapped, self._voxel_m), self._colours, voxel_m=self._voxel_m)
             picture = Image.fromarray(render(cubes, self._view, self._sun))

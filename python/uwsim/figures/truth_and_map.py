@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
 from uwsim import _core
+from uwsim.base.polygon import inside
 from uwsim.figures.clip_prism import ClipPrism
 from uwsim.figures.pinhole_view import PinholeView, view_of_box
 from uwsim.figures.render_3d import Subject, cast_at_cubes, cast_at_world, render
@@ -26,7 +27,6 @@ from uwsim.figures.style import (
     new_figure,
     save_figure,
 )
-from uwsim.scoring.polygon import inside_polygon
 
 PANEL_PIXELS, GAP_PIXELS = 960, 50
 AZIMUTH_RAD = -2.06
@@ -77,7 +77,7 @@ def render_truth_and_map(
     the same world. May run on a separate thread, in parallel with other figures.
     """
     area = area_world_m[ConvexHull(area_world_m).vertices]
-    occupied = occupied_centres_m[inside_polygon(occupied_centres_m[:, :2], area)]
+    occupied = occupied_centres_m[inside(occupied_centres_m[:, :2], area)]
     heights = height_range(ground_heights(world, area))
     comparison = _Comparison(world, rays, voxel_m, occupied, heights)
 
@@ -135,7 +135,7 @@ def grid_inside(area_m: NDArray[np.float64]) -> NDArray[np.float64]:
     low, high = area_m.min(axis=0), area_m.max(axis=0)
     x, y = np.meshgrid(np.linspace(low[0], high[0], 200), np.linspace(low[1], high[1], 200))
     grid = np.stack([x.ravel(), y.ravel()], axis=1)
-    return grid[inside_polygon(grid, area_m)]
+    return grid[inside(grid, area_m)]
 
 
 def _detail_block(
@@ -179,7 +179,7 @@ def _solids(world: _core.World) -> list[tuple[_core.RayScene, NDArray[np.float64
 
 def _render_block(comparison: _Comparison, area_m: NDArray[np.float64], elevation_rad: float) -> _Row:
     """Return the view and the pictures of truth and map over a convex polygon; the latter is None for an empty map."""
-    mapped = comparison.occupied_centres_m[inside_polygon(comparison.occupied_centres_m[:, :2], area_m)]
+    mapped = comparison.occupied_centres_m[inside(comparison.occupied_centres_m[:, :2], area_m)]
     ground = ground_heights(comparison.world, area_m)
     levels = np.concatenate([ground, mapped[:, 2]]) if len(ground) + len(mapped) else np.zeros(1)
     floor_m = float(levels.min()) - CUT_DEPTH_M

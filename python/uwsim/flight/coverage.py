@@ -9,10 +9,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from uwsim.base.arrays import Floats
+from uwsim.base.polygon import inside
 from uwsim.mapping import OccupancyMap
 from uwsim.missions.lanes import LANE_FLOWN, LANES_FLOWN, flown_text
 from uwsim.missions.own_vehicle import Event
-from uwsim.scoring.polygon import inside_polygon
 from uwsim.simulator.simulator import Simulator
 
 FIRST_S, FACTOR = 5.0, 1.25  # measured at FIRST_S x FACTOR^k, about 30 times in an hour
@@ -162,7 +162,7 @@ def scored_area_m(survey_area_m: Floats | None, path_world_m: Floats) -> Floats 
     sonar positions; see flown_area_m.
     """
     if survey_area_m is not None:
-        is_over = not len(path_world_m) or inside_polygon(path_world_m[:, :2], survey_area_m).any()
+        is_over = not len(path_world_m) or inside(path_world_m[:, :2], survey_area_m).any()
         if is_over:
             return survey_area_m
     return flown_area_m(path_world_m)

@@ -16,8 +16,8 @@ from uwsim import _core
 from uwsim.base.arrays import Floats
 from uwsim.base.atomic_file import write_atomically
 from uwsim.base.own_files import mark, remove_own_file, require_own
+from uwsim.base.polygon import inside
 from uwsim.missions.own_vehicle import Event
-from uwsim.scoring.polygon import inside_polygon
 
 LOG = "log.jsonl"
 
@@ -147,7 +147,7 @@ class PingLog:
 
     def _is_in_area(self, position: list[float]) -> bool:
         area_m = self.area_world_m
-        return area_m is None or bool(inside_polygon(np.array([position[:2]]), area_m)[0])
+        return area_m is None or bool(inside(np.array([position[:2]]), area_m)[0])
 
     @property
     def path_world_m(self) -> Floats:

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim import _core
+from uwsim.base.polygon import inside
 from uwsim.mapping.depth_grid import DepthGrid
-from uwsim.scoring.polygon import inside_polygon
 from uwsim.scoring.s44 import Order, best_order
 from uwsim.scoring.true_surface import TERRAIN_LABEL
 
@@ -73,8 +73,8 @@ def compare_seabed(
     """
     rows, columns = np.nonzero(grid.count)
     centres = np.stack([grid.west_m + (columns + 0.5) * grid.cell_m, grid.south_m + (rows + 0.5) * grid.cell_m], axis=1)
-    inside = inside_polygon(centres, area_world_m)
-    rows, columns, centres = rows[inside], columns[inside], centres[inside]
+    within = inside(centres, area_world_m)
+    rows, columns, centres = rows[within], columns[within], centres[within]
     vertices, triangles, _ = world.surface_mesh(with_terrain=False)
     may_be_blocked = _near(vertices[triangles], grid)[rows, columns]
     height = np.empty(len(centres))

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim import _core
-from uwsim.mapping.voxel_keys import pack_keys, unpack_keys, voxel_keys
-from uwsim.scoring.polygon import inside_polygon
+from uwsim.base.polygon import inside
+from uwsim.mapping.voxel_keys import voxel_keys
 
 TERRAIN_LABEL = 1
 MAX_VOXELS = 50_000_000
@@ -33,18 +33,6 @@ class SurfaceSamples:
     points_world_m: NDArray[np.float64]
     voxel_of_sample: NDArray[np.int64]
     voxel_keys: NDArray[np.int64]
-
-
-def sample_surface(world: _core.World, resolution_m: float, area_world_m: NDArray[np.float64]) -> SurfaceSamples:
-    """Return the samples of all surface_tiles combined."""
-    tiles = list(surface_tiles(world, resolution_m, area_world_m))
-    points = np.concatenate([np.empty((0, 3)), *[tile.points_world_m for tile in tiles]])
-    keys = np.concatenate(
-        [np.empty(0, np.int64), *[pack_keys(tile.voxel_keys)[tile.voxel_of_sample] for tile in tiles]]
-    )
-    voxels, voxel_of_sample = np.unique(keys, return_inverse=True)
-    order = np.argsort(voxel_of_sample, kind="stable")
-    return SurfaceSamples(points[order], voxel_of_sample[order], unpack_keys(voxels))
 
 
 def surface_tiles(
@@ -90,7 +78,7 @@ def _require_scorable(
 ) -> None:
     x, y = (low + (high - low) * (np.arange(128) + 0.5) / 128 for low, high in zip(low_m[:2], high_m[:2], strict=True))
     grid = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
-    voxels = box_voxels * float(inside_polygon(grid, area_world_m).mean())
+    voxels = box_voxels * float(inside(grid, area_world_m).mean())
     if voxels > MAX_VOXELS:
         rule = f"must be at most {MAX_VOXELS / 1e6:g} million to be scored: choose larger voxels or a smaller area"
         raise ValueError(f"voxels of the true surface = about {voxels / 1e6:.0f} million: {rule}")

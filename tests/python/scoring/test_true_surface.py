@@ -5,11 +5,23 @@ import pytest
 from scipy.spatial import cKDTree
 
 from uwsim import _core
-from uwsim.mapping.voxel_keys import pack_keys, voxel_keys
+from uwsim.mapping.voxel_keys import pack_keys, unpack_keys, voxel_keys
 from uwsim.scoring import true_surface
-from uwsim.scoring.true_surface import sample_surface, surface_tiles
+from uwsim.scoring.true_surface import SurfaceSamples, surface_tiles
 
 SQUARE = np.array([[-20.0, -20.0], [20.0, -20.0], [20.0, 20.0], [-20.0, 20.0]])
+
+
+def sample_surface(world, resolution_m, area_world_m):
+    """Return the samples of all surface_tiles combined."""
+    tiles = list(surface_tiles(world, resolution_m, area_world_m))
+    points = np.concatenate([np.empty((0, 3)), *[tile.points_world_m for tile in tiles]])
+    keys = np.concatenate(
+        [np.empty(0, np.int64), *[pack_keys(tile.voxel_keys)[tile.voxel_of_sample] for tile in tiles]]
+    )
+    voxels, voxel_of_sample = np.unique(keys, return_inverse=True)
+    order = np.argsort(voxel_of_sample, kind="stable")
+    return SurfaceSamples(points[order], voxel_of_sample[order], unpack_keys(voxels))
 
 
 @pytest.mark.parametrize(

@@ -13,12 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.base.atomic_file import write_atomically
+from uwsim.base.polygon import inside
 from uwsim.campaigns.fleet.tile_job import ScoreJob, TileJob, score_tile
 from uwsim.campaigns.fleet.tiles import TILES, Grid, Tile
 from uwsim.campaigns.workers import Campaign
 from uwsim.campaigns.workers.campaign import RETRIES
 from uwsim.mapping import OccupancyMap
-from uwsim.scoring.polygon import inside_polygon
 
 Floats = NDArray[np.float32]
 SCORES = "scores.json"
@@ -60,8 +60,8 @@ def by_tile(occupied_m: Floats, grid: Grid, tiles: list[Tile]) -> dict[int, Floa
     for code, there in by_cell.items():
         rest = occupied_m[np.searchsorted(codes, code) : np.searchsorted(codes, code, side="right")]
         for tile in there[1:]:
-            inside = inside_polygon(rest, np.array(tile.area_m))
-            found[tile.number], rest = rest[inside], rest[~inside]
+            within = inside(rest, np.array(tile.area_m))
+            found[tile.number], rest = rest[within], rest[~within]
         found[there[0].number] = rest
     return found
 

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.base.polygon import inside
 from uwsim.campaigns.fleet.tiles import Grid, Tile
 from uwsim.campaigns.sweeps.job import Job, flat, loaded, run_values
 from uwsim.campaigns.workers.tidy import tidy_now_and_then
@@ -19,7 +20,6 @@ from uwsim.mapping.voxel_keys import unpack_keys, voxel_centres_m
 from uwsim.scenario import Scenario, Terrain
 from uwsim.scenario.read.validated import validated
 from uwsim.scoring.map_score import MapScore, score_map
-from uwsim.scoring.polygon import inside_polygon
 from uwsim.simulator.simulator import Simulator
 
 MARGIN_M = 30.0
@@ -67,7 +67,7 @@ def start_above(terrain: Terrain, tile: Tile) -> tuple[float, float, float] | No
     area_m = np.array(tile.area_m)
     axes = [np.linspace(a, b, 41) for a, b in zip(area_m.min(axis=0), area_m.max(axis=0), strict=True)]
     places = np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, 2)
-    places = np.concatenate([places[inside_polygon(places, area_m)], area_m.mean(axis=0)[None]])
+    places = np.concatenate([places[inside(places, area_m)], area_m.mean(axis=0)[None]])
     beds = np.nan_to_num(terrain.height_at(places), nan=0.0)
     deepest = int(np.argmin(beds))
     if beds[deepest] > START_Z_M - CLEAR_M:
