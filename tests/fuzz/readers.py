@@ -162,13 +162,13 @@ def _of_flight(log: Any, vehicle: str) -> list[str]:
     """Return what a log and its motion as a vehicle's have to note."""
     for each in log.series.values():
         assert (np.diff(each.times_s) > 0).all() and not np.isinf(each.values).any()
-    said = [*log.notes(), *(text for _, text in log.events)]
+    said = [*map(str, log.notes()), *(text for _, text in log.events)]
     with suppress(ValueError):
         model = named("scenario:load_vehicle")(vehicle)
         motion, notes = named("recording.real_flights.motion:motion_of")(log, model)
         assert np.isfinite(motion.efforts).all() and np.abs(motion.efforts).max() <= 1.0
         assert np.allclose(np.linalg.norm(motion.orientation_xyzw, axis=1), 1.0)
-        said += notes
+        said += map(str, notes)
     return said
 
 

@@ -16,6 +16,7 @@ from uwsim.base.own_files import remove_own_file, require_own
 from uwsim.base.reader import Reader
 from uwsim.exchange.scenario_source import Made
 from uwsim.scenario.dump import yaml_text
+from uwsim.scenario.read.note import Note
 from uwsim.scenario.terrains.elevations import chart_raster
 from uwsim.scenario.terrains.raster import RasterTerrain
 from uwsim.scenario.terrains.raster_file import Raster
@@ -42,7 +43,7 @@ class FromChart:
     path: Path
     size_m: float
     depth_m: tuple[float, float]
-    notes: tuple[str, ...] = ()
+    notes: tuple[Note, ...] = ()
 
 
 def scenario_from_chart(
@@ -78,9 +79,8 @@ def scenario_from_chart(
                          f"must lie 1 m below it or deeper: choose --centre and --size{down}")  # fmt: skip
     values = _values(chart, out, (x, y), edge_m, spacing_m, (shallow_m, deep_m), read)
     write_atomically(out, yaml_text(values).encode())
-    guess = f"assumed: '{chart.name}' names no coordinate system: {GUESSES[raster.is_geographic]}: --crs states another"
-    notes = () if raster.names_crs else (guess,)
-    return FromChart(out, edge_m, (shallow_m, deep_m), notes)
+    guess = f"'{chart.name}' names no coordinate system: {GUESSES[raster.is_geographic]}: --crs states another"
+    return FromChart(out, edge_m, (shallow_m, deep_m), () if raster.names_crs else (Note("assumed", guess),))
 
 
 def _values(
@@ -176,7 +176,8 @@ def _from_chart(path: Path, out: Path | None, options: Mapping[str, Any]) -> Mad
         water_level_m=options.get("water_level", 0.0), **stated,
     )  # fmt: skip
     size, (high, low) = f"{made.size_m:g} x {made.size_m:g} m", made.depth_m
-    return Made(made.path, [f"{size}, {high:.1f} to {low:.1f} m deep; uwsim survey {made.path}", *made.notes])
+    made_of = Note("", f"{size}, {high:.1f} to {low:.1f} m deep; uwsim survey {made.path}")
+    return Made(made.path, [made_of, *made.notes])
 
 
 def _from_soundings(path: Path, out: Path | None, options: Mapping[str, Any]) -> Made:
@@ -195,7 +196,7 @@ def _from_soundings(path: Path, out: Path | None, options: Mapping[str, Any]) ->
     except (ValueError, OSError):
         remove_own_file(chart)
         raise
-    return Made(made.path, [*found.notes, note, *made.notes])
+    return Made(made.path, [*found.notes, Note("", note), *made.notes])
 
 
 STATED = ("unit", "nodata", "positive", "crs")

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from uwsim.base.reader import Reader, reader_of, readers
+from uwsim.scenario.read.note import Note
 
 GROUP = "uwsim.scenario_sources"
 """Each reader makes a scenario of a path, of the folder to write, or None for one named after the scenario, and of the
@@ -14,16 +15,16 @@ OSError, and then has written nothing."""
 
 
 class Made(NamedTuple):
-    """The scenario's file, and a line for each element that was left out or assumed."""
+    """The scenario's file, and a note for each element that was left out or assumed."""
 
     path: Path
-    notes: list[str]
+    notes: list[Note]
 
 
 class NotMadeError(ValueError):
-    """A source of which no scenario can be made. notes: a line for all that was read, left out or assumed before."""
+    """A source of which no scenario can be made. notes: for all that was read, left out or assumed before."""
 
-    def __init__(self, rule: str, notes: list[str]) -> None:
+    def __init__(self, rule: str, notes: list[Note]) -> None:
         super().__init__(rule)
         self.notes = notes
 

@@ -18,8 +18,10 @@ from rasterio.io import MemoryFile
 from uwsim.base.atomic_file import write_atomically
 from uwsim.base.caught_warnings import warn_if_cut_short
 from uwsim.base.own_files import require_own
+from uwsim.base.reader import head_of
 from uwsim.base.texts.text_file import decoded, read_limited
 from uwsim.mapping.files.georeference import WGS84
+from uwsim.scenario.read.note import Note
 
 Floats = NDArray[np.float64]
 BYTES_MAX, LINES_SHOWN = 200_000_000, 40
@@ -50,7 +52,7 @@ class Soundings:
     points: Floats
     positive: str | None = None
     crs: str | None = None
-    notes: list[str] = field(default_factory=list)
+    notes: list[Note] = field(default_factory=list)
 
 
 def read_soundings(path: Path) -> Soundings:
@@ -60,7 +62,7 @@ def read_soundings(path: Path) -> Soundings:
     first line, or a comment before the first row, may name its columns; without names they are x, y, z, after one that
     counts the rows. Lines that begin with # are comments.
     """
-    if path.suffix.lower() in (".las", ".laz"):
+    if head_of(path).startswith(b"LASF"):
         from uwsim.mapping.files.cloud_files import read_cloud
 
         return Soundings(path, np.asarray(read_cloud(path), np.float64))
@@ -83,13 +85,14 @@ def read_soundings(path: Path) -> Soundings:
     is_counted = width == len(head) + 1 if columns else width > 3 and _counts_rows(lines[first:], separator)
     x, y, z = (k + is_counted for k in columns or (0, 1, 2))
     if is_counted:
-        found.notes.append("assumed: the first column, which has no name, counts the rows")
+        found.notes.append(Note("assumed", "the first column, which has no name, counts the rows"))
     if columns:
         named = [head[k] for k in columns]
         found.positive = "down" if _words(named[2]) & DEPTHS else None
         found.crs = WGS84 if _words(named[0]) & DEGREES else None
         left = [name for k, name in enumerate(head) if k not in columns]
-        found.notes.append(f"read: {', '.join(named)}" + (f"; left out: columns {', '.join(left)}" if left else ""))
+        left_out = f"; left out: columns {', '.join(left)}" if left else ""
+        found.notes.append(Note("read", f"{', '.join(named)}{left_out}"))
     found.points = _numbers(path, lines, first, separator, (x, y, z))
     return found
 
@@ -179,7 +182,7 @@ def _crs(found: Soundings, stated: str | None) -> CRS | None:
         order = "longitude and latitude" if second <= 90.0 else "latitude and longitude, since the latter exceeds 90"
         if second > 90.0:
             found.points[:, :2] = plane[:, ::-1]
-        found.notes.append(f"assumed: x and y are {order}, {WGS84}: --crs states another, such as local")
+        found.notes.append(Note("assumed", f"x and y are {order}, {WGS84}: --crs states another, such as local"))
     if named is None or named == "local":
         return None
     try:

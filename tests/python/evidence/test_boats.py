@@ -71,7 +71,7 @@ def test_a_boat_s_own_model_is_right_beside_its_log_without_depth(otter: Vehicle
     assert own["place"] and own["heading"] and own["speed"] and simplest["place"]
     assert own["place"].value < 0.05 and own["heading"].value < 1.0 and own["speed"].value < 0.02
     assert simplest["place"].value > 1.0
-    assert any("the calm surface of 1025 kg/m3" in note for note in found.notes)
+    assert any("the calm surface of 1025 kg/m3" in note.text for note in found.notes)
 
 
 def test_a_boat_s_drag_is_identified_from_its_log(otter: VehicleModel, tmp_path: Path) -> None:

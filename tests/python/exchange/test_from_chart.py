@@ -117,7 +117,7 @@ def test_a_chart_that_names_no_coordinate_system_says_what_it_is_taken_for(crs, 
     transform = Affine(step, 0, 5, 0, -step, 43)
     chart = write(tmp_path / "a.tif", np.full((40, 60), -55.0), "GTiff", crs, transform)
     notes = scenario_from_chart(chart, tmp_path / "sea.yaml", size_m=100.0).notes
-    assert len(notes) == bool(said) and all(said in note and "--crs" in note for note in notes)
+    assert len(notes) == bool(said) and all(said in note.text and "--crs" in note.text for note in notes)
 
 
 def test_land_and_other_files_are_refused_and_nothing_is_written(tmp_path):

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from uwsim.exchange.robots.links import Joint, Links, summed_volume
-from uwsim.exchange.robots.robot import Found, Robot
+from uwsim.exchange.robots.robot import Description, Robot
 from uwsim.exchange.robots.sdf import read_sdf
 from uwsim.exchange.robots.urdf import read_urdf
 from uwsim.exchange.robots.xml_file import HERE
@@ -26,7 +26,7 @@ BASE = """<link name="base"><inertial><mass>20</mass><inertia><ixx>1</ixx><iyy>1
   <collision name="hull"><geometry><box><size>0.8 0.4 0.0625</size></box></geometry></collision></link>"""
 
 
-def found(tmp_path: Path, model: str, version: str = "1.9", attributes: str = "") -> Found:
+def found(tmp_path: Path, model: str, version: str = "1.9", attributes: str = "") -> Description:
     (tmp_path / "a.sdf").write_text(f'<sdf version="{version}"><model name="a" {attributes}>{model}</model></sdf>')
     return read_sdf(tmp_path / "a.sdf")
 
@@ -86,11 +86,11 @@ def test_an_axis_is_in_the_frame_that_its_file_names(
 def test_a_value_whose_meaning_is_unknown_is_refused_by_name_with_each_plugin(
     odd: str, words: str, tmp_path: Path
 ) -> None:
-    notes = Found("")
+    notes = Description("")
     (tmp_path / "a.sdf").write_text(f'<sdf version="1.9"><model name="a">{BASE}{odd}{THRUSTER}</model></sdf>')
     with pytest.raises(ValueError, match=r"a\.sdf") as refused:
         read_sdf(tmp_path / "a.sdf", notes)
-    assert words in str(refused.value) and any("gz-sim-thruster-system" in note for note in notes.notes)
+    assert words in str(refused.value) and any("gz-sim-thruster-system" in note.text for note in notes.notes)
 
 
 @pytest.mark.parametrize(
@@ -110,7 +110,9 @@ def test_an_odd_joint_and_shape_are_left_out_alone(odd: str, words: str, tmp_pat
     read = found(tmp_path, text)
     (robot,) = read.robots
     assert [each.name for each in robot.thrusters] == ["prop"] and robot.volume_m3 == pytest.approx(0.02)
-    assert any(words in note for note in read.notes) and any("radius and length" in note for note in read.notes)
+    assert any(words in note.text for note in read.notes) and any(
+        "radius and length" in note.text for note in read.notes
+    )
 
 
 def test_a_merged_model_has_its_parts_sensors_and_plugins_in_the_outer_one(tmp_path: Path) -> None:
@@ -220,12 +222,13 @@ def test_notes_on_the_motion_come_first_and_those_on_looks_last(tmp_path: Path) 
     """A wing whose coefficients mean something else than LiftDrag's is one on the motion."""
     base = BASE.replace("</link>", '<visual name="v"/><sensor name="s" type="nose"/><gravity>0</gravity></link>')
     wing = '<plugin name="w" filename="gz-sim-advanced-lift-drag-system"><link_name>prop</link_name></plugin>'
-    lines = found(tmp_path, base + PROP.format(pose=POSE, axis=Z) + THRUSTER.format("") + wing).lines()
-    order = ["read", "motion", "senses", "looks", "topic", "for a survey, vehicle 'a' lacks"]
-    grades = [order.index(line.partition(":")[0]) for line in lines]
+    notes = found(tmp_path, base + PROP.format(pose=POSE, axis=Z) + THRUSTER.format("") + wing).all_notes()
+    order = ["read", "motion", "senses", "looks", "topic", ""]
+    grades = [order.index(note.grade or note.kind) for note in notes]
     assert grades == sorted(grades)
-    of = [next(line for line in lines if word in line) for word in ("link/gravity = 0", "advanced", "nose", "visual")]
-    assert [line.partition(":")[0] for line in of] == ["motion", "motion", "senses", "looks"]
+    of = [next(n for n in notes if word in n.text) for word in ("link/gravity = 0", "advanced", "nose", "visual")]
+    assert [note.grade for note in of] == ["motion", "motion", "senses", "looks"]
+    assert str(of[0]).startswith("motion: left out: ")
 
 
 def test_urdf_s_values_have_their_meaning_and_an_odd_one_is_left_out_alone(tmp_path: Path) -> None:
@@ -241,7 +244,7 @@ def test_urdf_s_values_have_their_meaning_and_an_odd_one_is_left_out_alone(tmp_p
     read = read_urdf(tmp_path / "a.urdf")
     assert summed_volume(read.robots[0].solids)[0] == pytest.approx(1.0 + np.pi * (2.0 + 4.0 / 3.0))
     np.testing.assert_allclose(np.diagonal(read.robots[0].lumps[0].inertia_kg_m2), [2.0, 1.0, 3.0])
-    assert any("joint 'd'/axis: its axis must not be zero" in note for note in read.notes)
+    assert any("joint 'd'/axis: its axis must not be zero" in note.text for note in read.notes)
 
 
 class _Counted(dict[str, Joint]):
@@ -258,4 +261,4 @@ def test_a_chain_of_links_is_walked_once(tmp_path: Path) -> None:
         links.poses[f"l{k}"] = HERE
         joints[f"j{k}"] = Joint(f"j{k}", "fixed", f"l{k}", f"l{k + 1}", HERE, np.zeros(3))
     links.poses["l5000"], links.joints = HERE, joints
-    assert links.base(Found("")) == "l0" and joints.asked < 5
+    assert links.base(Description("")) == "l0" and joints.asked < 5

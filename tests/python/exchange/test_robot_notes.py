@@ -7,7 +7,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from uwsim.exchange.robots.robot import Found
+from uwsim.exchange.robots.robot import Description
 from uwsim.exchange.robots.sdf import read_sdf
 from uwsim.exchange.robots.stonefish import read_stonefish
 from uwsim.exchange.robots.urdf import read_urdf
@@ -24,7 +24,7 @@ DATA = Path(__file__).parents[1] / "data" / "robots"
     ],
 )
 def test_what_no_reader_asks_for_is_named(
-    name: str, read: Callable[[Path], Found], dropped: set[str], tmp_path: Path
+    name: str, read: Callable[[Path], Description], dropped: set[str], tmp_path: Path
 ) -> None:
     """An element and an attribute without a meaning, added to every element but those with a text."""
     root = ElementTree.parse(DATA / name).getroot()
@@ -35,7 +35,7 @@ def test_what_no_reader_asks_for_is_named(
             element.set(f"bar_{len(names)}_", "1")
             names.append(element.get("name"))
     ElementTree.ElementTree(root).write(tmp_path / name)
-    notes = "\n".join(read(tmp_path / name).notes)
+    notes = "\n".join(map(str, read(tmp_path / name).notes))
     for word in ("foo", "bar"):
         assert {at for k, at in enumerate(names) if f"{word}_{k}_" not in notes} == dropped
 

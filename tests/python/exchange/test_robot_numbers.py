@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from uwsim.exchange.robots import shapes
-from uwsim.exchange.robots.robot import Found, Given, Robot
+from uwsim.exchange.robots.robot import Description, Given, Robot
 from uwsim.exchange.robots.sdf import read_sdf
 from uwsim.exchange.robots.stonefish import read_stonefish
 from uwsim.exchange.robots.urdf import read_urdf
@@ -100,8 +100,8 @@ def test_stated_drag_is_that_of_the_box_s_faces(tmp_path: Path) -> None:
     roll = 2.0 * (faces[1] * (width / 2) ** 2 + faces[2] * (height / 2) ** 2 + faces[0] * (width**2 + height**2) / 12)
     assert model.linear_damping[3] == pytest.approx(RHO * 0.05 * roll, rel=0.01)
     assert model.crossflow_length_m == 0.0 and not model.fins
-    assert any("added mass is estimated" in note for note in found.notes)
-    assert not any("hydrodynamics" in note for note in found.notes)
+    assert any("added mass is estimated" in note.text for note in found.notes)
+    assert not any("hydrodynamics" in note.text for note in found.notes)
 
 
 def test_drag_turns_with_its_part_and_what_is_not_stated_is_named(tmp_path: Path) -> None:
@@ -116,7 +116,7 @@ def test_drag_turns_with_its_part_and_what_is_not_stated_is_named(tmp_path: Path
     np.testing.assert_allclose(quadratic[:3], 0.5 * RHO * np.array([0.6, 0.2, 0.7]) * faces, rtol=1e-6)
     own = 0.1 * 0.2 / sides  # Stonefish's own Cf: a tenth of the smallest half axis over each
     np.testing.assert_allclose(linear[:3], RHO * own * 2.0 * (faces.sum() - faces), rtol=1e-6)
-    assert any("'Foam': drag that it does not state is Stonefish's own" in note for note in found.notes)
+    assert any("'Foam': drag that it does not state is Stonefish's own" in note.text for note in found.notes)
 
 
 CLAMPS = "<clampMin>-100</clampMin><clampMax>200</clampMax>"
@@ -126,7 +126,7 @@ def urdf(tmp_path: Path, clamps: str) -> Robot:
     return found_urdf(tmp_path, clamps).robots[0]
 
 
-def found_urdf(tmp_path: Path, clamps: str) -> Found:
+def found_urdf(tmp_path: Path, clamps: str) -> Description:
     (tmp_path / "sled.urdf").write_text((DATA / "sled.urdf").read_text().replace(CLAMPS, clamps))
     return read_urdf(tmp_path / "sled.urdf")
 
@@ -139,12 +139,12 @@ def bounds_n(robot: Robot) -> tuple[float, float]:
 def test_a_thruster_without_a_bound_is_a_question(tmp_path: Path) -> None:
     unbound = found_urdf(tmp_path, "")
     assert not unbound.robots[0].thrusters
-    assert any(re.search(r"'tail_joint' has no bound.*thruster_manager.yaml", note) for note in unbound.notes)
+    assert any(re.search(r"'tail_joint' has no bound.*thruster_manager.yaml", note.text) for note in unbound.notes)
     (tmp_path / "thruster_manager.yaml").write_text("thruster_manager:\n  max_thrust: 37.5\n")
     assert bounds_n(urdf(tmp_path, "")) == pytest.approx((-37.5, 37.5))
     (tmp_path / "thruster_manager.yaml").write_text("thruster_manager:\n  max_thrust: much\n")
     much = found_urdf(tmp_path, "").notes
-    assert any("max_thrust = 'much': must be a positive number [N]" in note for note in much)
+    assert any("max_thrust = 'much': must be a positive number [N]" in note.text for note in much)
 
 
 def test_a_bound_is_the_user_s_or_the_checkout_s_for_this_vehicle(tmp_path: Path) -> None:
@@ -155,7 +155,7 @@ def test_a_bound_is_the_user_s_or_the_checkout_s_for_this_vehicle(tmp_path: Path
     (other / "thruster_manager.yaml").write_text(manager.replace("SLED", "sled"))
     (tmp_path / "another" / "thruster_manager.yaml").write_text(manager.replace("SLED", "another"))
     assert bounds_n(urdf(here, "")) == pytest.approx((-20.0, 20.0))
-    found = Found("", Given({"max_thrust": "45"}))
+    found = Description("", Given({"max_thrust": "45"}))
     read_urdf(here / "sled.urdf", found)
     assert bounds_n(found.robots[0]) == pytest.approx((-45.0, 45.0))
     (other / "thruster_manager.yaml").write_text(manager)
@@ -178,7 +178,7 @@ def test_damping_by_the_speed_ahead_is_quadratic_ahead(tmp_path: Path) -> None:
     (tmp_path / "sled.urdf").write_text(text.replace("<linear_damping>", forward))
     found = read_urdf(tmp_path / "sled.urdf")
     np.testing.assert_array_equal(np.diagonal(found.robots[0].quadratic)[:3], [158.0, 250.0, 300.0])
-    assert any("162, 108, 13, 20, 32 on their own" in note for note in found.notes)
+    assert any("162, 108, 13, 20, 32 on their own" in note.text for note in found.notes)
 
 
 def test_dynamics_of_other_kinds_leave_the_thruster(tmp_path: Path) -> None:
@@ -186,7 +186,7 @@ def test_dynamics_of_other_kinds_leave_the_thruster(tmp_path: Path) -> None:
     (tmp_path / "sled.urdf").write_text(text)
     found = read_urdf(tmp_path / "sled.urdf")
     (thruster,) = found.robots[0].thrusters
-    assert thruster.time_constant_s == 0.0 and any("type Yoerger" in note for note in found.notes)
+    assert thruster.time_constant_s == 0.0 and any("type Yoerger" in note.text for note in found.notes)
 
 
 def test_parts_without_a_silhouette_are_refused_in_words(tmp_path: Path) -> None:
@@ -207,7 +207,7 @@ def test_a_link_that_no_joint_holds_is_left_out(tmp_path: Path) -> None:
     (tmp_path / "sled.urdf").write_text((DATA / "sled.urdf").read_text().replace("</robot>", loose))
     found = read_urdf(tmp_path / "sled.urdf")
     assert found.robots[0].whole().mass_kg == 202.0
-    assert any("link 'buoy': no joint holds it" in note for note in found.notes)
+    assert any("link 'buoy': no joint holds it" in note.text for note in found.notes)
 
 
 def test_a_table_of_pulse_widths_is_read_about_its_middle(tmp_path: Path) -> None:
@@ -226,7 +226,7 @@ def test_an_inertia_that_no_body_has_is_the_nearest_that_one_has(tmp_path: Path)
     (tmp_path / "sled.urdf").write_text(text)
     found = read_urdf(tmp_path / "sled.urdf")
     x, y, z = load(write_found(found, tmp_path / "out")).vehicles[0].model.inertia_kg_m2
-    assert z == pytest.approx(x + y) and any("which no rigid body has" in note for note in found.notes)
+    assert z == pytest.approx(x + y) and any("which no rigid body has" in note.text for note in found.notes)
 
 
 def test_hydrodynamics_of_other_links_are_carried_to_the_base_and_summed(tmp_path: Path) -> None:

@@ -9,7 +9,7 @@ import pytest
 import uwsim
 from command_line import uwsim as command
 from uwsim.exchange.robots.checkout import package_folder
-from uwsim.exchange.robots.robot import Found, Given
+from uwsim.exchange.robots.robot import Description, Given
 from uwsim.exchange.robots.sdf import read_sdf
 from uwsim.exchange.robots.urdf import read_urdf
 from uwsim.exchange.xml_text import xml_root
@@ -63,7 +63,7 @@ def test_packages_are_found_by_their_manifests(workspace: Path, tmp_path: Path) 
 
 def test_macros_are_expanded_with_the_arguments_given(workspace: Path) -> None:
     pytest.importorskip("xacro", reason="the extra robots")
-    (robot,) = read_urdf(workspace, Found("", Given({"mass": "250"}))).robots
+    (robot,) = read_urdf(workspace, Description("", Given({"mass": "250"}))).robots
     assert robot.whole().mass_kg == 250.0
     np.testing.assert_allclose([each.position_m for each in robot.thrusters], [[-0.6, 0.2, 0.0], [-0.6, -0.2, 0.0]])
     assert [dict(each.thrust_n)[1.0] for each in robot.thrusters] == [30.0, 30.0]
@@ -72,18 +72,18 @@ def test_macros_are_expanded_with_the_arguments_given(workspace: Path) -> None:
         read_urdf(workspace)
     workspace.write_text(TOP.replace("$(find parts)", "$(find lost)"))
     with pytest.raises(ValueError, match="package 'lost' is neither around the file nor in ROS_PACKAGE_PATH"):
-        read_urdf(workspace, Found("", Given({"mass": "250"})))
+        read_urdf(workspace, Description("", Given({"mass": "250"})))
     switch = (
         '<xacro:arg name="use_sim" default="false"/><xacro:if value="$(arg use_sim)"><xacro:screw name="port" y="0.2"/>'
     )
     off = TOP.replace('<xacro:screw name="port" y="0.2"/><xacro:screw name="star" y="-0.2"/>', f"{switch}</xacro:if>")
     workspace.write_text(off)
-    switched = read_urdf(workspace, Found("", Given({"mass": "250"})))
+    switched = read_urdf(workspace, Description("", Given({"mass": "250"})))
     assert len(switched.robots[0].thrusters) == 1
-    assert any(note.startswith("assumed: --arg use_sim=true") for note in switched.notes)
+    assert any(str(note).startswith("motion: assumed: --arg use_sim=true") for note in switched.notes)
     workspace.write_text(TOP.replace("2*0.4", "[0]*10**12"))
     with pytest.raises(ValueError, match=r"sled\.urdf\.xacro"):
-        read_urdf(workspace, Found("", Given({"mass": "250"})))
+        read_urdf(workspace, Description("", Given({"mass": "250"})))
 
 
 @pytest.mark.parametrize("argument, words", [("mass", "must be NAME=VALUE"), ("=1", "must be NAME=VALUE")])
@@ -125,7 +125,7 @@ def test_a_buoyancy_engine_is_one(tmp_path: Path) -> None:
     (_, pump) = found.robots[0].thrusters
     assert dict(pump.thrust_n) == pytest.approx({-1.0: -0.4 * 9.80665, 0.0: 0.0, 1.0: 0.5 * 9.80665})
     assert pump.force == "buoyancy" and pump.time_constant_s == pytest.approx(45.0)
-    assert any("its pump lags by 45 s" in note for note in found.notes)
+    assert any("its pump lags by 45 s" in note.text for note in found.notes)
 
 
 @pytest.mark.skipif(not FIELD.is_dir(), reason="files of the field, which are not part of the project")

@@ -166,7 +166,9 @@ def test_a_surface_that_uwsim_does_not_have_is_named(tmp_path: Path) -> None:
     assert "its forward direction is not the vehicle's" in printed
     assert not sim.scenario.vehicles[0].model.fins
     (tmp_path / "flat.sdf").write_text(ruddered(1, "0 0 0"))
-    assert any("forward and upward must be two directions" in note for note in read_sdf(tmp_path / "flat.sdf").notes)
+    assert any(
+        "forward and upward must be two directions" in note.text for note in read_sdf(tmp_path / "flat.sdf").notes
+    )
 
 
 def test_sdf_obstacles_are_where_their_poses_put_them(tmp_path: Path) -> None:
@@ -237,7 +239,7 @@ def test_a_world_has_its_checkout_s_models_its_plane_as_the_bed_and_water_withou
     found = read_sdf(path)
     assert uwsim.Simulator(write_found(found, tmp_path / "bare")).vehicles
     assert {"absent", "at 3 m", "nothing fixed"} <= {
-        word for word in ("absent", "at 3 m", "nothing fixed") if any(word in note for note in found.notes)
+        word for word in ("absent", "at 3 m", "nothing fixed") if any(word in note.text for note in found.notes)
     }
 
 
@@ -414,8 +416,8 @@ def test_an_odd_element_does_not_refuse_its_neighbours(name: str, text: str, wor
     (tmp_path / f"right_{name}").write_text(WORLD if name.endswith("sdf") else URDF)
     read = read_sdf if name.endswith("sdf") else read_urdf
     odd, right = read(tmp_path / name), read(tmp_path / f"right_{name}")
-    assert any(words in note for note in odd.notes), odd.notes
-    assert not any(words in note for note in right.notes)
+    assert any(words in note.text for note in odd.notes), odd.notes
+    assert not any(words in note.text for note in right.notes)
     for key in ("added_mass", "linear", "quadratic", "volume_m3"):
         np.testing.assert_array_equal(getattr(odd.robots[0], key), getattr(right.robots[0], key))
     assert [each.thrust_n for each in odd.robots[0].thrusters] == [each.thrust_n for each in right.robots[0].thrusters]

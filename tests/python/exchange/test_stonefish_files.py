@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 
 from uwsim.exchange.robots import shapes
-from uwsim.exchange.robots.robot import Found, Given, Robot
+from uwsim.exchange.robots.robot import Description, Given, Robot
 from uwsim.exchange.robots.stonefish import read_stonefish
 from uwsim.exchange.robots.stonefish_text import formula
 from uwsim.exchange.robots.written import write_found
 from uwsim.scenario import load
+from uwsim.scenario.read.note import Note
 
 pytestmark = pytest.mark.usefixtures("panels_left_out")
 
@@ -23,16 +24,16 @@ OBJ = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
 THRUST = '<thrust_model type="fluid_dynamics"><thrust_coeff forward="0.4" reverse="0.2"/>'
 
 
-def read(path: Path, text: str, data: Path | None = None, **arguments: str) -> Found:
+def read(path: Path, text: str, data: Path | None = None, **arguments: str) -> Description:
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(text)
-    return read_stonefish(path, Found(path.stem, Given(arguments, data)))
+    return read_stonefish(path, Description(path.stem, Given(arguments, data)))
 
 
 def field(name: str, **arguments: str) -> Robot:
     if not (FIELD / name).is_file():
         pytest.skip(f"{FIELD / name}: not on this machine")
-    return read_stonefish(FIELD / name, Found("field", Given(arguments))).robots[0]
+    return read_stonefish(FIELD / name, Description("field", Given(arguments))).robots[0]
 
 
 def test_arguments_come_from_the_user_the_include_or_the_file_itself(tmp_path: Path) -> None:
@@ -102,7 +103,7 @@ def test_an_odd_element_refuses_none_beside_it(odd: str, noted: str, tmp_path: P
     found = read(tmp_path / "a.scn", f"{head}{odd}</robot>{tail}")
     (robot,) = found.robots
     assert len(robot.thrusters) == 1 and robot.volume_m3 == pytest.approx(0.1)
-    assert any(noted in note for note in found.notes), found.notes
+    assert any(noted in note.text for note in found.notes), found.notes
     assert robot.whole().mass_kg == pytest.approx(MASS_KG + (0.5 if odd is GRIPPER else 0.0))
     if odd is GRIPPER:
         np.testing.assert_allclose(robot.lumps[-1].centre_m, [1.5, 0.0, 0.0])
@@ -120,7 +121,7 @@ def test_what_cannot_move_or_float_is_refused_with_the_reason(tmp_path: Path) ->
 def test_an_unknown_material_is_the_first_and_a_dry_part_displaces_nothing(tmp_path: Path) -> None:
     found = read(tmp_path / "a.scn", SCN.replace('<material name="foam"/>', '<material name="cork"/>'))
     assert found.robots[0].whole().mass_kg == pytest.approx(MASS_KG)
-    assert "assumed: material 'cork', which no file has, is 'foam', of 900 kg/m3" in found.notes
+    assert Note("assumed", "material 'cork', which no file has, is 'foam', of 900 kg/m3") in found.notes
     with pytest.raises(ValueError, match="displaces water"):
         read(tmp_path / "a.scn", SCN.replace('type="box" buoyant="true"', 'type="box" physics="surface"'))
 
@@ -144,7 +145,8 @@ def test_a_mesh_wound_both_ways_displaces_what_balances_its_mass(
     found = read(tmp_path / "a.scn", text.replace('<water density="1020"/>', ""))
     assert found.robots[0].volume_m3 == pytest.approx(volume_m3)
     assert any(
-        f"displaces {volume_m3:g} m3, nearer to its mass than {2.0 - volume_m3:g} m3" in note for note in found.notes
+        f"displaces {volume_m3:g} m3, nearer to its mass than {2.0 - volume_m3:g} m3" in note.text
+        for note in found.notes
     )
 
 
@@ -154,7 +156,7 @@ def test_water_is_the_first_file_s_and_its_currents_add_up(tmp_path: Path) -> No
     ocean = f"<environment><ocean>{current.format(1)}{current.format(2)}{current.format(99)}</ocean></environment>"
     found = read(tmp_path / "top.scn", f'<scenario>{ocean}<include file="a.scn"/></scenario>')
     np.testing.assert_allclose(found.current_m_s, [0.0, 3.0, 0.0])
-    assert any("99 m/s: must be at most 5 m/s" in note for note in found.notes)
+    assert any("99 m/s: must be at most 5 m/s" in note.text for note in found.notes)
     assert found.density_kg_m3 == 1000.0
 
 
@@ -208,7 +210,7 @@ def test_sonars_and_sensors_have_the_figures_that_are_stated(tmp_path: Path) -> 
     assert (sonar.figures["beams"], sonar.figures["range_bins"], sonar.figures["range_max_m"]) == (128, 300, 20)
     assert sonar.figures["field_of_view_rad"] == pytest.approx(np.pi / 2.0)
     np.testing.assert_allclose(sonar.yaw_pitch_roll_deg, np.zeros(3), atol=1e-3)  # it looks ahead, upright
-    assert any("vertical_width_deg = 500: must be" in note for note in found.notes)
+    assert any("vertical_width_deg = 500: must be" in note.text for note in found.notes)
     assert found.robots[0].sensors["log"]["beam_slant_deg"] == 25.0
     assert found.robots[0].sensors["log"]["range_max_m"] == 60.0
     assert found.robots[0].sensors["p"]["channels"] == {"pressure": {"std": 7.0}}
@@ -287,7 +289,7 @@ def test_a_pool_s_own_floor_is_the_bed_and_a_guest_starts_in_its_water(tmp_path:
     pool = f'<physical><mesh filename="pool.obj"/><origin {still}</physical><world_transform {still}'
     (tmp_path / "a.scn").write_text(f'<scenario><static name="P" type="model">{pool}</static></scenario>')
     lines: list[str] = []
-    found = read_stonefish(tmp_path / "a.scn", Found("a", Given(progress=lines.append)))
+    found = read_stonefish(tmp_path / "a.scn", Description("a", Given(progress=lines.append)))
     assert lines == ["mesh 1: 'pool.obj'"]
     scenario = load(write_found(found, tmp_path / "out"))
     heights, step = scenario.terrain.heights(), scenario.terrain.spacing_m

@@ -26,6 +26,7 @@ from uwsim.exchange.unity.scenario import scenario_from
 from uwsim.exchange.unity.scene import _number, read_scene
 from uwsim.scenario import load
 from uwsim.scenario.read.mesh_file import load_mesh
+from uwsim.scenario.read.note import Note
 from uwsim.scenario.read.textures import triangle_means
 from uwsim.scenario.spec.camera import CameraMount
 from uwsim.simulator.simulator import Simulator
@@ -119,9 +120,9 @@ def test_meshes_are_where_unity_shows_them(project: Path) -> None:
         a, b, c = (piece.vertices * (-1.0, 1.0, 1.0))[piece.triangles].transpose(1, 0, 2)
         assert np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0 == pytest.approx(1.0)
     lost = "left out: Lost: its file is not in the checkout"
-    assert sorted(scene.left_out) == ["left out: Away: inactive", "left out: Dark: its renderer is off", lost]
+    assert sorted(map(str, scene.left_out)) == ["left out: Away: inactive", "left out: Dark: its renderer is off", lost]
     scene.drop(("Found", "Later"), "its file is not in the checkout")
-    assert lost.replace("Lost", "Lost and 1 more") in scene.left_out
+    assert lost.replace("Lost", "Lost and 1 more") in map(str, scene.left_out)
 
 
 def test_the_identifier_of_a_mesh_is_unity_s() -> None:
@@ -304,7 +305,7 @@ def test_a_deposit_is_one_whole_with_the_hash_of_every_file(project: Path, tmp_p
     with pytest.raises(FileExistsError, match="the folder is not empty"):
         reproduce_beside(project, tmp_path / "out", {}, "uwsim", print)
     theirs = TheirWorld(
-        Subject(load("paper")), ["left out: SolidTerrain/A: B.fbx is missing"], {}, {}, None, 0, "SolidTerrain"
+        Subject(load("paper")), [Note("left out", "SolidTerrain/A: B.fbx is missing")], {}, {}, None, 0, "SolidTerrain"
     )
     number = Number(1, "distance", "m", 0.0, 2.0, "at most 1 m", False)
     write_deposit(tmp_path / "out", project, "uwsim reproduce paper", theirs, [number], {"ours": {}})
@@ -354,7 +355,7 @@ def test_names_are_a_scenario_s_and_links_out_of_the_checkout_are_not_followed(p
     (project / "Assets/Pair.fbx").rename(tmp_path / "Pair.fbx")
     (project / "Assets/Pair.fbx").symlink_to(tmp_path / "Pair.fbx")
     made = scenario_from(Project(project), project / "Assets/LawnTest.unity", tmp_path / "lake")
-    assert any("more: its file is not in the checkout" in note for note in made.notes)
+    assert any("more: its file is not in the checkout" in note.text for note in made.notes)
     assert [one.name for one in load(made.path).obstacles] == ["obstacle_0"]
 
 

@@ -24,6 +24,7 @@ from uwsim.recording.real_flights.motion import motion_of
 from uwsim.recording.real_flights.read import read_flight
 from uwsim.recording.timeline import Timeline
 from uwsim.scenario import load_vehicle
+from uwsim.scenario.read.note import Note
 
 pytest.importorskip("pymavlink", reason="needs the extra mavlink")
 FILES = {"BIN": dataflash, "tlog": telemetry, "csv": table}
@@ -56,7 +57,7 @@ def test_a_flight_that_is_written_is_read_again_and_its_model_flies_it_alike(kin
         )
     motion, notes = motion_of(log, model, outputs)
     assert len(motion.times_s) == ROWS
-    assert ("known: ArduSub's frame vectored_6dof from FRAME_CONFIG = 2" in notes) == (kind in ("BIN", "tlog"))
+    assert (Note("known", "ArduSub's frame vectored_6dof from FRAME_CONFIG = 2") in notes) == (kind in ("BIN", "tlog"))
     np.testing.assert_allclose(np.diff(motion.times_s), np.diff(flight.times_s), atol=1e-6)
     np.testing.assert_allclose(motion.position_m, flight.position_m, atol=1e-5)
     turned = Rotation.from_quat(flight.orientation_xyzw).inv() * Rotation.from_quat(motion.orientation_xyzw)
@@ -84,15 +85,14 @@ def test_what_the_filter_does_not_know_is_absent_rather_than_0(kind: str, tmp_pa
     """Without aiding, ArduPilot's filter logs a constant place and no speed, and its status has that."""
     options = {"status" if kind == "BIN" else "flags": 0xA7}
     log = read(kind, written(kind, tmp_path, **options))
-    assert (
-        np.isnan(log.series["position"].values[:, :2]).all() and np.isfinite(log.series["position"].values[:, 2]).all()
-    )
-    assert any("position from" in line and line.endswith("without east and north") for line in log.notes())
+    position = log.series["position"].values
+    assert np.isnan(position[:, :2]).all() and np.isfinite(position[:, 2]).all()
+    assert any("position from" in note.text and note.text.endswith("without east and north") for note in log.notes())
     motion, _ = motion_of(log, load_vehicle(VEHICLE))
     beside = fly_beside(motion, load_vehicle(VEHICLE), density_kg_m3=DENSITY_KG_M3, horizons_s=(1.0,))
     assert beside.horizons[1.0]["place"] is None and beside.horizons[1.0]["heading"] is not None
-    assert any(line.startswith("assumed: each window begins without horizontal velocity") for line in beside.notes)
-    assert "missing: the error of place: the log does not have what it needs" in beside.notes
+    assert any(note.text.startswith("each window begins without horizontal velocity") for note in beside.notes)
+    assert Note("missing", "the error of place: the log does not have what it needs") in beside.notes
 
 
 @pytest.mark.parametrize(
@@ -139,7 +139,7 @@ def test_identify_finds_the_drag_from_a_dataflash_log(tmp_path: Path) -> None:
     assert model.quadratic_damping is not None
     draggy = model.model_copy(update={"quadratic_damping": tuple(2 * v for v in model.quadratic_damping)})
     motion, notes = read_flown(written("BIN", tmp_path), draggy)
-    assert "missing: thrusters" not in notes
+    assert Note("missing", "thrusters") not in notes
     known = (
         "mass_kg",
         "centre_of_mass_m",

@@ -176,7 +176,7 @@ def _record(path: Path, out: Path, scenario: str, columns: str | None, threads: 
     from uwsim.simulator.simulator import Simulator
 
     log = read_flight(path, columns)
-    notes = log.notes() + record_log(log, Simulator(scenario, threads=threads), out)
+    notes = [str(note) for note in log.notes() + record_log(log, Simulator(scenario, threads=threads), out)]
     if as_json:
         print_json({"notes": notes, "recording": str(out)})
         return
@@ -200,16 +200,17 @@ def _fly_beside(
 
     model = load_vehicle(vehicle)
     log = read_flight(path, columns)
-    notes = log.notes()
+    notes = [str(note) for note in log.notes()]
     if not as_json:
         typer.echo("\n".join(notes))
     motion, more = motion_of(log, model, outputs)
-    flown = fly_beside(motion, model, density_kg_m3=1000.0 if density is None else density, threads=threads)
+    result = fly_beside(motion, model, density_kg_m3=1000.0 if density is None else density, threads=threads)
+    others = [str(note) for note in (*more, *result.notes)]
     if as_json:
-        print_json({"notes": [*notes, *more, *flown.notes], "horizons": flown.plain()})
+        print_json({"notes": [*notes, *others], "horizons": result.plain()})
         return
-    typer.echo("\n".join([*more, *flown.notes]))
-    rows = flown.rows()
+    typer.echo("\n".join(others))
+    rows = result.rows()
     widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
     for row in rows:
         typer.echo("  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip())

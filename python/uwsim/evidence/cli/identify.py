@@ -74,6 +74,7 @@ def identify(
     from uwsim.exchange.logs.motion_log import read_flown, read_mapping
     from uwsim.scenario import load_vehicle
     from uwsim.scenario.read.assets import YAML_SUFFIXES
+    from uwsim.scenario.read.note import Note
 
     is_file = out.suffix.lower() in YAML_SUFFIXES
     if is_file:
@@ -81,11 +82,11 @@ def identify(
     model = load_vehicle(vehicle)
     if mapping is not None:
         need("identification without --map", columns=columns, outputs=outputs)
-        motion, notes = read_log(log, read_mapping(mapping), name), list[str]()
+        motion, notes = read_log(log, read_mapping(mapping), name), list[Note]()
     else:
         motion, notes = read_flown(log, model, name, columns, outputs)
-    for line in notes:
-        typer.echo(line, err=as_json)
+    for note in notes:
+        typer.echo(str(note), err=as_json)
     found = identified(
         motion,
         model,
@@ -95,7 +96,7 @@ def identify(
         density_kg_m3=density,
         threads=threads,
     )
-    found = replace(found, premises=(*found.premises, *(line for line in notes if not line.startswith("known"))))
+    found = replace(found, premises=(*found.premises, *(str(note) for note in notes if note.kind != "known")))
     if is_file:
         write_calibrated(found, log.name, out)
     written = [out] if is_file else write_report(found, log.name, out)

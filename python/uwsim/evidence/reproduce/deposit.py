@@ -45,7 +45,7 @@ def write_deposit(
         "claims_held": held,
         "claims": len(numbers),
         "numbers": [asdict(each) for each in numbers],
-        "left_out_or_assumed": theirs.notes,
+        "left_out_or_assumed": list(map(str, theirs.notes)),
         "inputs": hashes(inputs(checkout), checkout),
         "outputs": hashes(files, folder),
     }
@@ -82,7 +82,7 @@ def _readme(command: str, theirs: TheirWorld, numbers: Sequence[Number], held: i
         "and in the column `ours`: uwsim's packaged scenario `paper`.",
         "",
         f"{held} of {len(numbers)} claims held.",
-        *(f"\n**Their bed is not whole: {note.removeprefix('left out: ')}.**" for note in theirs.missing_bed),
+        *(f"\n**Their bed is not whole: {part}.**" for part in theirs.missing_bed),
         "",
         "| figure | quantity | theirs | ours | claim | |", "|---|---|---|---|---|---|", *rows,
         "",

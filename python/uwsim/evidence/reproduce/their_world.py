@@ -23,6 +23,7 @@ from uwsim.scenario import load
 from uwsim.scenario.build.hull import hull_box_m, vehicle_hull
 from uwsim.scenario.dump import yaml_text
 from uwsim.scenario.read.assets import find_yaml
+from uwsim.scenario.read.note import Note
 from uwsim.simulator.simulator import Simulator
 
 EQUIPPED = "equipped.yaml"
@@ -47,7 +48,7 @@ class TheirWorld:
     """
 
     subject: Subject
-    notes: list[str]
+    notes: list[Note]
     gates: dict[str, Gate]
     missing_m: dict[str, float]
     mission_time_s: float | None
@@ -56,8 +57,9 @@ class TheirWorld:
 
     @property
     def missing_bed(self) -> list[str]:
-        """The notes of parts of the bed whose files the checkout lacks."""
-        return [note for note in self.notes if note.startswith(f"left out: {self.bed}/") and note.endswith("missing")]
+        """The parts of the bed whose files the checkout lacks, and which."""
+        left_out = (note.text for note in self.notes if note.kind == "left out")
+        return [text for text in left_out if text.startswith(f"{self.bed}/") and text.endswith("missing")]
 
 
 def their_world(checkout: Path, folder: Path, options: Mapping[str, Any]) -> TheirWorld:

@@ -110,10 +110,10 @@ def scenario_from(
         made = found.read(source, out, given)
     except NotMadeError as error:
         for note in error.notes:
-            typer.echo(note, err=True)
+            typer.echo(str(note), err=True)
         raise
     for note in made.notes:
-        typer.echo(note)
+        typer.echo(str(note))
     typer.echo(f"{made.path}: fly it with uwsim station {made.path}")
 
 

@@ -26,6 +26,7 @@ from uwsim.recording.real_flights.motion import MotionLog, motion_of, sampled
 from uwsim.recording.real_flights.read import read_flight
 from uwsim.scenario import VehicleModel
 from uwsim.scenario.read.contained import run_contained
+from uwsim.scenario.read.note import Note
 from uwsim.scenario.read.spec_file import read_yaml
 from uwsim.scenario.read.validated import validated
 from uwsim.scenario.spec.fields import InRange, Model, broken
@@ -102,8 +103,8 @@ def read(path: str, mapping: dict[str, Any] | None, vehicle: str) -> dict[str, A
 
 def read_flown(
     path: Path, model: VehicleModel, vehicle: str = "", columns: str | None = None, outputs: str | None = None
-) -> tuple[MotionLog, list[str]]:
-    """Read a log without a mapping file; return it and lines about what is known, missing and assumed.
+) -> tuple[MotionLog, list[Note]]:
+    """Read a log without a mapping file; return it and notes on what is known, missing and assumed.
 
     vehicle: prefix of its topics in a recording of uwsim. columns, outputs: see real_flights.columns and
     real_flights.motion. Raises OSError, and ValueError with the file and the rule.

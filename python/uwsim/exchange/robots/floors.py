@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.ndimage import distance_transform_edt
 
-from uwsim.exchange.robots.robot import Found, Mesh
+from uwsim.exchange.robots.robot import Description, Mesh
 from uwsim.exchange.robots.xml_file import Floats
 
 LEVEL, STEEP, BED_M = 0.99999, 0.5, -0.5
@@ -17,7 +17,7 @@ TRIANGLES_MAX = 200_000
 EDGE = 1e-9
 
 
-def put_plane(found: Found, path: str, point_m: Floats, up: Floats) -> None:
+def put_plane(found: Description, path: str, point_m: Floats, up: Floats) -> None:
     """Take a plane under water as the bed: the deepest of several that are level, else a sloped one.
 
     path: of its element. up: its unit normal.

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from uwsim.exchange.robots.links import Joint, Links
-from uwsim.exchange.robots.robot import Fin, Found, Robot, plain_name
+from uwsim.exchange.robots.robot import Description, Fin, Robot, plain_name
 from uwsim.exchange.robots.xml_file import Element, Floats, Pose
 
 AIR_KG_M3, SLOPE, STALL_RAD = 1.2041, 1.0, math.pi / 2
@@ -45,7 +45,7 @@ def is_lift_drag(file: str) -> bool:
     return ("lift-drag" in file or "liftdrag" in file) and not any(word in file for word in ("advanced", "sail"))
 
 
-def put_surface(robot: Robot, plugin: Element, links: Links, to_base: Pose, found: Found) -> None:
+def put_surface(robot: Robot, plugin: Element, links: Links, to_base: Pose, found: Description) -> None:
     """Add the fin of a LiftDrag plugin, or a note if uwsim has no such surface. Raises ValueError.
 
     Water whose density is not stated elsewhere has the plugin's.
@@ -62,7 +62,7 @@ def put_surface(robot: Robot, plugin: Element, links: Links, to_base: Pose, foun
         found.density_kg_m3 = density
 
 
-def put_uuv_fin(robot: Robot, plugin: Element, links: Links, to_base: Pose, found: Found) -> None:
+def put_uuv_fin(robot: Robot, plugin: Element, links: Links, to_base: Pose, found: Description) -> None:
     """Add the fin of UUV Simulator's plugin, x ahead and z along its span. Raises ValueError."""
     model = plugin.find("liftdrag")
     if model is None:
@@ -84,7 +84,7 @@ def put_uuv_fin(robot: Robot, plugin: Element, links: Links, to_base: Pose, foun
 
 
 def _put(
-    robot: Robot, plugin: Element, stated: Element, lift: _Lift, links: Links, to_base: Pose, found: Found
+    robot: Robot, plugin: Element, stated: Element, lift: _Lift, links: Links, to_base: Pose, found: Description
 ) -> bool:
     """Add a fin; return whether uwsim has such a surface. stated: the element with its coefficients."""
     link = plugin.text("link_name") or ""
@@ -136,7 +136,7 @@ def _direction(plugin: Element, key: str, default: int) -> Floats:
     return np.eye(3)[default] if found is None else found / max(float(np.linalg.norm(found)), 1e-9)
 
 
-def _travel_rad(plugin: Element, joint: Joint, found: Found) -> float:
+def _travel_rad(plugin: Element, joint: Joint, found: Description) -> float:
     """Return the smaller of a joint's two limits, at most 45 deg.
 
     The lift of uwsim's fins, C_La sin a cos a, falls beyond that angle, while that of UUV Simulator's grows with it: a

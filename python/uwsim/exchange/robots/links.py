@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from uwsim.exchange.robots.robot import Found, Lump, Mesh, Robot
+from uwsim.exchange.robots.robot import Description, Lump, Mesh, Robot
 from uwsim.exchange.robots.shapes import placed, volume_and_centre
 from uwsim.exchange.robots.xml_file import HERE, Element, Floats, Pose
 
@@ -89,7 +89,7 @@ class Links:
             raise of.error(f"joint '{name}' has no axis that can be used: see what was left out")
         return self.joints[name]
 
-    def base(self, found: Found) -> str:
+    def base(self, found: Description) -> str:
         """Return the link that is no joint's child, of the heaviest tree of links: others are left out.
 
         Raises ValueError if there is none.

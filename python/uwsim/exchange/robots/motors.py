@@ -17,8 +17,9 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from uwsim.exchange.robots.links import Links, carried
-from uwsim.exchange.robots.robot import Found, Robot, Thruster, plain_name
+from uwsim.exchange.robots.robot import Description, Robot, Thruster, plain_name
 from uwsim.exchange.robots.xml_file import Element, Floats, Pose, is_yes
+from uwsim.scenario.read.note import Note
 
 DENSITY_KG_M3 = 1000.0
 CLASSIC = "gazebo_motor_model"
@@ -60,8 +61,9 @@ def edged(commands: Floats, thrust: Floats, band: float) -> list[tuple[float, fl
 
 
 def motor(
-    plugin: Element, links: Links, to_base: Pose, robot: Robot, found: Found, speeds: Mapping[str, tuple[float, float]]
-) -> Thruster:
+    plugin: Element, links: Links, to_base: Pose, robot: Robot, found: Description,
+    speeds: Mapping[str, tuple[float, float]],
+) -> Thruster:  # fmt: skip
     """Read a motor, or a jet, which thrusts one way. speeds: by number, of those with bounds. Raises ValueError."""
     file = (plugin.attribute("filename") or "").lower().replace("_", "-")
     is_jet = any(word in file for word in JETS)
@@ -73,7 +75,7 @@ def motor(
     for key in ("jointName", "actuator_number", "rotorVelocitySlowdownSim", "robotNamespace", "motorSpeedPubTopic"):
         plugin.text(key)  # which the propeller's looks and its messages follow
     topic = plugin.text("topic" if is_jet else "commandSubTopic") or "command"
-    found.noted(f"topic: thruster '{name}' is commanded by an element of {topic} in gz-sim")
+    found.noted(Note("topic", f"thruster '{name}' is commanded by an element of {topic} in gz-sim"))
     if is_jet:
         most = plugin.number("max_thrust")
         if not most > 0.0:
@@ -109,7 +111,7 @@ def motor(
 
 
 def _by_speed(
-    plugin: Element, bounds: tuple[float, float] | None, turning: str, found: Found
+    plugin: Element, bounds: tuple[float, float] | None, turning: str, found: Description
 ) -> tuple[list[tuple[float, float]], float]:
     """Return pairs of commands and thrusts k w |w|, and 1, or -1 if a positive speed pushes against the link's z.
 
@@ -133,7 +135,7 @@ def _by_speed(
     return [pair for pair in pairs if low < 0.0 or pair[0] >= 0.0], np.sign(pushes).item() if is_reversible else 1.0
 
 
-def _by_polynomials(plugin: Element, found: Found) -> list[tuple[float, float]]:
+def _by_polynomials(plugin: Element, found: Description) -> list[tuple[float, float]]:
     """Return pairs of commands and the thrusts that PX4's polynomials have for them.
 
     Their argument is a share in [-1, 1] of the pulse widths between the ends, in [0, 1] of a motor that cannot turn
@@ -183,7 +185,7 @@ def is_px4_hull(file: str) -> bool:
     return "gazebo_uuv_plugin" in file
 
 
-def put_px4_hull(robot: Robot, found: Found, plugin: Element, links: Links, to_base: Pose) -> None:
+def put_px4_hull(robot: Robot, found: Description, plugin: Element, links: Links, to_base: Pose) -> None:
     """Read the damping, added mass and buoyancy of a hull. Raises ValueError."""
     there = to_base.then(links.pose(plugin.text("baseLinkName") or "", plugin))
     if found.density_kg_m3 is None:

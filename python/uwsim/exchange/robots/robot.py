@@ -13,11 +13,14 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim.exchange.robots.xml_file import Element, Floats, Pose
+from uwsim.base.arrays import Floats
+from uwsim.exchange.robots.xml_file import Element, Pose
+from uwsim.scenario.read.note import Grade, Note
 from uwsim.scenario.spec.scenario import RESERVED_NAMES
 
-MOTION, SENSES, LOOKS = GRADES = ("motion", "senses", "looks")
+GRADES: tuple[Grade, Grade, Grade] = ("motion", "senses", "looks")
 """The grades of notes by what they are about, in the order in which notes are printed."""
+MOTION, SENSES, LOOKS = GRADES
 BEYOND = "its numbers are too large, or zero, to compute with"
 SHORT = 12
 """Characters of a value that a note on what was not asked for has."""
@@ -143,17 +146,16 @@ class Given:
 
 
 @dataclass
-class Found:
-    """A scenario as found in a file.
+class Description:
+    """A scenario as a file describes it: what a reader found.
 
     The law of all formats: an element that is stated is used, or noted as left out, with its value and the reason, or
     replaced by what is noted as assumed; one that breaks a rule never refuses those beside it.
 
-    obstacles, objects, pingers: as in a scenario. station: its place [m], if it is known. notes: a line for each
-    element that was left out or assumed. grades: of these, by their text. density_kg_m3: of the water, if stated.
-    current_m_s: its velocity, likewise. bed_z_m: of a flat bed, likewise. bed_plane: a point and the
-    normal of a sloped one. refusals: the errors of the vehicles that were left out. opened: how
-    many meshes were read.
+    obstacles, objects, pingers: as in a scenario. station: its place [m], if it is known. notes: one for each element
+    that was left out or assumed. density_kg_m3: of the water, if stated. current_m_s: its velocity, likewise. bed_z_m:
+    of a flat bed, likewise. bed_plane: a point and the normal of a sloped one. refusals: the errors of the vehicles
+    that were left out. opened: how many meshes were read.
     """
 
     name: str
@@ -168,16 +170,14 @@ class Found:
     current_m_s: Floats | None = None
     bed_z_m: float | None = None
     bed_plane: tuple[Floats, Floats] | None = None
-    notes: list[str] = field(default_factory=list)
-    grades: dict[str, str] = field(default_factory=dict)
+    notes: list[Note] = field(default_factory=list)
     refusals: list[Exception] = field(default_factory=list)
     opened: int = 0
 
-    def lines(self) -> list[str]:
-        """Return what was read, a line for each vehicle, and all notes: first those on the motion, last the others."""
-        graded = [f"{grade}: {note}" for grade in GRADES for note in self.notes if self.grades.get(note) == grade]
-        read = [f"read: {robot.summary()}" for robot in self.robots]
-        return [*read, *graded, *(note for note in self.notes if note not in self.grades)]
+    def all_notes(self) -> list[Note]:
+        """Return what was read, a note for each vehicle, and all others, those on the motion first."""
+        read = [Note("read", robot.summary()) for robot in self.robots]
+        return [*read, *sorted(self.notes, key=lambda note: (*GRADES, "").index(note.grade))]
 
     @contextmanager
     def beside(self, element: Element) -> Iterator[None]:
@@ -232,16 +232,14 @@ class Found:
         if self.given.progress is not None:
             self.given.progress(what)
 
-    def noted(self, what: str, grade: str | None = None) -> None:
-        """Note what is worth knowing, once. grade: one of GRADES, if it is a loss."""
-        if what not in self.notes:
-            self.notes.append(what)
-            if grade is not None:
-                self.grades[what] = grade
+    def noted(self, note: Note) -> None:
+        """Note what is worth knowing, once."""
+        if note not in self.notes:
+            self.notes.append(note)
 
-    def left_out(self, what: str, grade: str = MOTION) -> None:
+    def left_out(self, what: str, grade: Grade = MOTION) -> None:
         """Note an element that is not used, once."""
-        self.noted(f"left out: {what}", grade)
+        self.noted(Note("left out", what, grade))
 
     def dropped(self, element: Element, more: str = "") -> None:
         """Note an element that is not used, with all below it. more: follows its path."""
@@ -250,7 +248,7 @@ class Found:
 
     def note_unused(self, root: Element) -> None:
         """Note what was not asked for in a document, a line for each kind of element, with how often it occurs."""
-        kinds: dict[tuple[str, str], Counter[str]] = {}
+        kinds: dict[tuple[str, Grade], Counter[str]] = {}
         values: dict[tuple[str, str], set[str]] = {}
         for kind, path, value in root.unused():
             kinds.setdefault((kind, graded(f"{kind}/{path}")), Counter())[path] += 1
@@ -263,12 +261,12 @@ class Found:
                 each.append(f"{path}{stated}{f' ({count})' * (count > 1)}")
             self.left_out(f"{kind}: {', '.join(each)}", grade)
 
-    def assumed(self, what: str, grade: str = MOTION) -> None:
+    def assumed(self, what: str, grade: Grade = MOTION) -> None:
         """Note a value that the file does not state, once."""
-        self.noted(f"assumed: {what}", grade)
+        self.noted(Note("assumed", what, grade))
 
 
-def graded(path: str) -> str:
+def graded(path: str) -> Grade:
     """Return what an element changes, by the words of its path without names: the motion, unless it is known not to."""
     words = " ".join(re.findall("[A-Z]?[a-z]+|[A-Z]+", re.sub("'[^']*'", "", path))).lower()
     return LOOKS if OF_LOOKS.search(words) else SENSES if OF_SENSES.search(words) else MOTION

@@ -13,7 +13,7 @@ import numpy as np
 from uwsim.exchange.robots import shapes
 from uwsim.exchange.robots.floors import put_plane
 from uwsim.exchange.robots.links import Frames, Links, carried, summed_volume, unit
-from uwsim.exchange.robots.robot import Found, Robot, plain_name
+from uwsim.exchange.robots.robot import Description, Robot, plain_name
 from uwsim.exchange.robots.sdf_models import Models
 from uwsim.exchange.robots.sensors import put_gz_sensor
 from uwsim.exchange.robots.systems import DENSITY_KG_M3, moves, put_plugins
@@ -24,12 +24,12 @@ ALONE_M = 2.0
 """Depth of a model without a world."""
 
 
-def read_sdf(path: Path, found: Found | None = None) -> Found:
+def read_sdf(path: Path, found: Description | None = None) -> Description:
     """Return the vehicles and fixed obstacles of an SDF file, of a model or a world, in `found` if given.
 
     Raises ValueError or OSError.
     """
-    reader = _Reader(path, found or Found(""))
+    reader = _Reader(path, found or Description(""))
     root = reader.document(path)
     if root.tag != "sdf":
         raise root.error("must be <sdf>")
@@ -56,7 +56,7 @@ def read_sdf(path: Path, found: Found | None = None) -> Found:
 
 
 class _Reader(Models):
-    def __init__(self, path: Path, found: Found) -> None:
+    def __init__(self, path: Path, found: Description) -> None:
         super().__init__(path, found)
         self._buoyant: set[str] = set()
 

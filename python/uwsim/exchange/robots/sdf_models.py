@@ -15,7 +15,7 @@ import numpy as np
 from uwsim.exchange.robots import shapes
 from uwsim.exchange.robots.checkout import checkout_of
 from uwsim.exchange.robots.links import Frames, Inner, Joint, Links, inertia, unit
-from uwsim.exchange.robots.robot import Found, Lump, Mesh, merged
+from uwsim.exchange.robots.robot import Description, Lump, Mesh, merged
 from uwsim.exchange.robots.xml_file import Element, Floats, Pose, is_yes, read_xml
 
 RESOURCE_PATHS = ("GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESOURCE_PATH", "GAZEBO_MODEL_PATH")
@@ -33,7 +33,7 @@ ADDED = "xyzpqr"
 class Models:
     """Reads the models of a file and of those that it includes."""
 
-    def __init__(self, path: Path, found: Found) -> None:
+    def __init__(self, path: Path, found: Description) -> None:
         self.path, self.found = path, found
         self.documents: list[Element] = []
         self.document = cache(self._document)

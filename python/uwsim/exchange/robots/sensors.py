@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from uwsim.exchange.robots.robot import SENSES, Found, Robot, plain_name
+from uwsim.exchange.robots.robot import SENSES, Description, Robot, plain_name
 from uwsim.exchange.robots.xml_file import Element, Floats, Pose, yaw_pitch_roll_deg
 from uwsim.scenario.spec.imaging_sonar import imaging_kind
 
@@ -30,8 +30,9 @@ CAMERAS = ("camera", "depth", "depth_camera", "rgbd", "rgbd_camera", "wideanglec
 
 
 def put_sensor(
-    robot: Robot, found: Found, path: str, name: str, kind: str, at: Pose, rate_hz: float, errors: Errors | None = None
-) -> None:
+    robot: Robot, found: Description, path: str, name: str, kind: str, at: Pose, rate_hz: float,
+    errors: Errors | None = None,
+) -> None:  # fmt: skip
     """Add a sensor to a vehicle. path: of its element. at: its pose on the vehicle. errors: as in a vehicle's file."""
     rate = float(np.clip(rate_hz if rate_hz > 0.0 else 10.0, *RATES_HZ))
     sensor: dict[str, Any] = {"kind": kind, "rate_hz": rate}
@@ -55,7 +56,7 @@ def put_camera(robot: Robot, name: str, at: Pose, field_of_view_deg: float, size
 
 
 def put_imaging(
-    robot: Robot, found: Found, path: str, name: str, kind: str, at: Pose, stated: Mapping[str, float]
+    robot: Robot, found: Description, path: str, name: str, kind: str, at: Pose, stated: Mapping[str, float]
 ) -> None:
     """Add an imaging sonar that looks along the x of its pose, with z up. stated: its parameters, by their keys."""
     sonar: dict[str, Any] = {
@@ -79,7 +80,7 @@ def from_optical(turn: Floats) -> Floats:
     return np.asarray(turn @ np.array([[0.0, -1.0, 0.0], [0.0, 0.0, -1.0], [1.0, 0.0, 0.0]]))
 
 
-def put_gz_sensor(robot: Robot, found: Found, sensor: Element, at: Pose) -> None:
+def put_gz_sensor(robot: Robot, found: Description, sensor: Element, at: Pose) -> None:
     """Add a <sensor> of SDF, which URDF has within <gazebo>, or note it. Raises ValueError."""
     kind, rate = sensor.needed("type"), sensor.number("update_rate", 10.0)
     if kind in CAMERAS:

@@ -9,8 +9,9 @@ from typing import Any
 
 from uwsim.base.reader import Reader
 from uwsim.exchange.robots.checkout import calibrations, descriptions, is_checkout
-from uwsim.exchange.robots.robot import Found, Given, plain_name
+from uwsim.exchange.robots.robot import Description, Given, plain_name
 from uwsim.exchange.scenario_source import Made, NotMadeError
+from uwsim.scenario.read.note import Note
 
 TRIED = 20
 """Descriptions of a checkout that are tried."""
@@ -28,15 +29,15 @@ def _make(module: str, function: str) -> Callable[[Path, Path | None, Mapping[st
     def make(path: Path, out: Path | None, given: Mapping[str, Any]) -> Made:
         from uwsim.exchange.robots.written import write_found
 
-        found = Found(plain_name(path.stem), Given(**given))
+        found = Description(plain_name(path.stem), Given(**given))
         try:
             getattr(import_module(f"uwsim.exchange.robots.{module}"), function)(path, found)
             try:
-                return Made(write_found(found, out or Path(found.name)), found.lines())
+                return Made(write_found(found, out or Path(found.name)), found.all_notes())
             except ValueError as error:
                 raise ValueError(f"'{path}': as converted: {error}") from None
         except ValueError as error:
-            raise NotMadeError(str(error), found.lines()) from None
+            raise NotMadeError(str(error), found.all_notes()) from None
 
     return make
 
@@ -44,18 +45,19 @@ def _make(module: str, function: str) -> Callable[[Path, Path | None, Mapping[st
 def _from_checkout(folder: Path, out: Path | None, given: Mapping[str, Any]) -> Made:
     """Make the scenario of the likeliest description that is a vehicle, and name the others."""
     files = descriptions(folder)
-    refused: list[str] = []
+    refused: list[Note] = []
     given = {**given, "calibrations": calibrations(folder)}
     for file in files[:TRIED]:
         source = next(each for each in (SDF, URDF, STONEFISH) if each.accepts(file, b""))
         try:
             made = source.read(file, out, {key: given[key] for key in given.keys() & {*source.options, "calibrations"}})
         except (ValueError, OSError) as error:
-            refused.append(f"refused: {error}")
+            refused.append(Note("refused", str(error)))
             continue
         others = [str(each.relative_to(folder)) for each in files if each != file]
         beside = f"; others: {', '.join(others)}" if others else ""
-        return Made(made.path, [f"read: {file.relative_to(folder)}, the likeliest{beside}", *refused, *made.notes])
+        read = Note("read", f"{file.relative_to(folder)}, the likeliest{beside}")
+        return Made(made.path, [read, *refused, *made.notes])
     raise NotMadeError(f"'{folder}': none of its {len(files)} descriptions of robots can be converted", refused)
 
 

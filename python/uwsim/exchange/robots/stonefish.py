@@ -17,7 +17,7 @@ import numpy as np
 from uwsim.exchange.robots import shapes
 from uwsim.exchange.robots.floors import put_plane
 from uwsim.exchange.robots.links import summed_volume
-from uwsim.exchange.robots.robot import SENSES, Found, Lump, Mesh, Robot, Thruster, merged, plain_name
+from uwsim.exchange.robots.robot import SENSES, Description, Lump, Mesh, Robot, Thruster, merged, plain_name
 from uwsim.exchange.robots.sensors import from_optical, put_camera, put_imaging, put_sensor
 from uwsim.exchange.robots.stonefish_body import FLIP, WetPart, body_lump, drag_about, lump_alone, wet_part
 from uwsim.exchange.robots.stonefish_comms import Fixed, fixed_device, put_comm
@@ -85,12 +85,12 @@ SONARS = {
 """Kinds of imaging sonars, and their parameters by element and attribute."""
 
 
-def read_stonefish(path: Path, found: Found | None = None) -> Found:
+def read_stonefish(path: Path, found: Description | None = None) -> Description:
     """Return the vehicles and fixed obstacles of a scenario and what it includes, in `found` if given.
 
     Raises ValueError or OSError.
     """
-    reader = _Reader(found or Found(plain_name(path.stem)), path)
+    reader = _Reader(found or Description(plain_name(path.stem)), path)
     root = reader.read(path, {})
     reader.texts.require_all()
     for document in reader.documents:
@@ -107,7 +107,7 @@ def read_stonefish(path: Path, found: Found | None = None) -> Found:
 
 
 class _Reader:
-    def __init__(self, found: Found, top: Path) -> None:
+    def __init__(self, found: Description, top: Path) -> None:
         self.found = found
         self.top = top
         self.texts = Texts(found.given.arguments)

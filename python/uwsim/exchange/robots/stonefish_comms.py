@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from uwsim.exchange.robots.robot import SENSES, Found, Robot, plain_name
+from uwsim.exchange.robots.robot import SENSES, Description, Robot, plain_name
 from uwsim.exchange.robots.sensors import put_sensor
 from uwsim.exchange.robots.xml_file import Element, Floats, Pose
 
@@ -27,7 +27,7 @@ class Fixed(NamedTuple):
     connected: str | None
 
 
-def fixed_device(element: Element, position_m: Floats, found: Found) -> Fixed:
+def fixed_device(element: Element, position_m: Floats, found: Description) -> Fixed:
     """Return a device of the world or of a static body; a modem is a pinger, if it is under water."""
     kind = element.needed("type")
     to = element.find("connect")
@@ -40,7 +40,7 @@ def fixed_device(element: Element, position_m: Floats, found: Found) -> Fixed:
     return Fixed(element, position_m, None if to is None else to.attribute("device_id"))
 
 
-def put_comm(robot: Robot, comm: Element, at: Pose, devices: list[Fixed], found: Found) -> None:
+def put_comm(robot: Robot, comm: Element, at: Pose, devices: list[Fixed], found: Description) -> None:
     """Add the USBL by which a robot and a fixed device range each other, or note the device.
 
     at: its pose on the robot. Here, the station is at the fixed end, and the sensor is the robot's.

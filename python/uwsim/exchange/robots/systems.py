@@ -14,10 +14,11 @@ import numpy as np
 from uwsim.exchange.robots.lift_drag import is_lift_drag, put_surface, put_uuv_fin
 from uwsim.exchange.robots.links import Links, carried, is_same
 from uwsim.exchange.robots.motors import commanded, is_motor, is_px4_hull, motor, put_px4_hull, px4_speeds
-from uwsim.exchange.robots.robot import SENSES, Found, Robot, Thruster, plain_name
+from uwsim.exchange.robots.robot import SENSES, Description, Robot, Thruster, plain_name
 from uwsim.exchange.robots.sensors import put_sensor
 from uwsim.exchange.robots.uuv_plugins import is_uuv_object, is_uuv_thruster, put_uuv_object, uuv_errors, uuv_thruster
 from uwsim.exchange.robots.xml_file import Element, Floats, is_yes
+from uwsim.scenario.read.note import Note
 
 ROWS, COLUMNS = "xyzkmn", "UVWPQR"
 THRUST_N, DIAMETER_M = 1000.0, 0.02
@@ -33,7 +34,7 @@ LIKE = {"odometry-publisher": "odometry", "pose-publisher": "poses", "joint-stat
 """Data that others publish by a plugin, and uwsim without one."""
 
 
-def put_plugins(robot: Robot, found: Found, plugins: Iterable[Element], links: Links, base: str) -> None:
+def put_plugins(robot: Robot, found: Description, plugins: Iterable[Element], links: Links, base: str) -> None:
     """Read the plugins of a vehicle; one that breaks a rule is left out, with the rule.
 
     The hydrodynamics come first, since fins and neutral buoyancy refer to the density that they state.
@@ -61,7 +62,7 @@ def _is_object(plugin: Element) -> bool:
 @dataclass
 class _Reader:
     robot: Robot
-    found: Found
+    found: Description
     links: Links
     base: str
     plugins: list[Element]
@@ -245,7 +246,8 @@ class _Reader:
     def _topic(self, plugin: Element, what: str, topic: str) -> None:
         """Note gz-sim's topic of commands, which a bridge to ROS 2 has mapped."""
         space = plugin.text("namespace")
-        self.found.noted(f"topic: {what} is commanded by {f'/model/{space}/' if space else ''}{topic} in gz-sim")
+        topic = f"/model/{space}/{topic}" if space else topic
+        self.found.noted(Note("topic", f"{what} is commanded by {topic} in gz-sim"))
 
 
 def _autopilot_limits(plugin: Element) -> Iterator[tuple[str, tuple[float, float]]]:

@@ -17,13 +17,14 @@ from uwsim.base.extras import need_extra
 from uwsim.exchange.robots import shapes
 from uwsim.exchange.robots.checkout import MANIFEST, folder_of, package_folder
 from uwsim.exchange.robots.links import Joint, Links, inertia, unit
-from uwsim.exchange.robots.robot import Found, Lump, Mesh, Robot, plain_name
+from uwsim.exchange.robots.robot import Description, Lump, Mesh, Robot, plain_name
 from uwsim.exchange.robots.sensors import put_gz_sensor
 from uwsim.exchange.robots.systems import DENSITY_KG_M3, put_plugins
 from uwsim.exchange.robots.uuv_plugins import MOST
 from uwsim.exchange.robots.xacro_process import UNKNOWN
 from uwsim.exchange.robots.xml_file import HERE, Element, Pose, read_xml
 from uwsim.scenario.read.contained import CPU_S, run_contained
+from uwsim.scenario.read.note import Note
 
 XACRO = b"ros.org/wiki/xacro"
 """In a document with macros."""
@@ -33,9 +34,9 @@ EXPANDER = Path(__file__).with_name("xacro_process.py")
 FIND, LOST = re.compile(rb"\$\(find\s+(\w[\w-]*)\)"), re.compile(UNKNOWN.encode() + rb"(\w[\w-]*)")
 
 
-def read_urdf(path: Path, found: Found | None = None) -> Found:
+def read_urdf(path: Path, found: Description | None = None) -> Description:
     """Return the vehicle of a URDF file, in `found` if given. Raises ValueError or OSError."""
-    found = found or Found("")
+    found = found or Description("")
     root = _document(path, found)
     if root.tag != "robot":
         raise root.error("must be <robot>")
@@ -63,7 +64,7 @@ def read_urdf(path: Path, found: Found | None = None) -> Found:
     return found
 
 
-def _document(path: Path, found: Found) -> Element:
+def _document(path: Path, found: Description) -> Element:
     """Return the root of a file, after xacro's macros if it has any."""
     root = read_xml(path)
     if XACRO not in path.read_bytes():
@@ -73,7 +74,8 @@ def _document(path: Path, found: Found) -> Element:
     need_extra("xacro", f"'{path}': xacro")
     stated = {each.name: each.attribute("default") or "" for each in root.all("xacro:arg")}
     if stated:
-        found.noted(f"arguments: {', '.join(f'{key}={value}' for key, value in stated.items())}; --arg states another")
+        given = ", ".join(f"{key}={value}" for key, value in stated.items())
+        found.noted(Note("arguments", f"{given}; --arg states another"))
     content = expanded(path, found.given.arguments)
     switches = [key for key in stated if SWITCH.search(key) and stated[key].lower() in ("false", "0")]
     off = {key: "true" for key in switches if key not in found.given.arguments}
@@ -123,7 +125,7 @@ def _children_s() -> float:
     return sum(resource.getrusage(resource.RUSAGE_CHILDREN)[:2])
 
 
-def _links(root: Element, path: Path, found: Found) -> Links:
+def _links(root: Element, path: Path, found: Description) -> Links:
     links = Links(root)
     below: dict[str, list[Element]] = {}
     for joint in root.all("joint"):
@@ -165,7 +167,7 @@ def _end(joint: Element, tag: str) -> str:
     return end.needed("link")
 
 
-def _fill(links: Links, link: Element, name: str, path: Path, found: Found) -> None:
+def _fill(links: Links, link: Element, name: str, path: Path, found: Description) -> None:
     inertial = link.find("inertial")
     if inertial is not None:
         own = inertial.origin()
@@ -180,7 +182,7 @@ def _fill(links: Links, link: Element, name: str, path: Path, found: Found) -> N
                 links.solids[name].append(shapes.placed(solid, collision.origin()))
 
 
-def _solid(collision: Element, path: Path, found: Found) -> Mesh | None:
+def _solid(collision: Element, path: Path, found: Description) -> Mesh | None:
     geometry = collision.find("geometry")
     if geometry is None:
         raise collision.error("has no geometry")

@@ -15,7 +15,7 @@ from uwsim.base.texts.yaml_document import read_yaml
 from uwsim.exchange.robots import shapes
 from uwsim.exchange.robots.checkout import checkout_of
 from uwsim.exchange.robots.links import Links, carried
-from uwsim.exchange.robots.robot import Found, Robot, Thruster, plain_name
+from uwsim.exchange.robots.robot import Description, Robot, Thruster, plain_name
 from uwsim.exchange.robots.sensors import Errors
 from uwsim.exchange.robots.xml_file import Element, Floats, Pose, is_yes
 
@@ -42,7 +42,7 @@ def is_uuv_thruster(file: str) -> bool:
     return "uuv_thruster" in file or "thruster_ros" in file
 
 
-def put_uuv_object(robot: Robot, found: Found, plugin: Element, links: Links, base: str) -> None:
+def put_uuv_object(robot: Robot, found: Description, plugin: Element, links: Links, base: str) -> None:
     """Read the hydrodynamics of a vehicle: the sum over its links, of which those beside the base are carried to it."""
     if plugin.find("fluid_density"):
         found.density_kg_m3 = plugin.number("fluid_density")
@@ -82,7 +82,7 @@ def uuv_current_m_s(current: Element) -> Floats:
     return speed * np.array([np.cos(ahead) * np.cos(up), np.sin(ahead) * np.cos(up), np.sin(up)])
 
 
-def _volume_m3(link: Element, mass_kg: float, found: Found) -> float:
+def _volume_m3(link: Element, mass_kg: float, found: Description) -> float:
     """Return the volume that a link displaces, 0 for one that is not positive."""
     if is_yes(link.text("neutrally_buoyant")):
         assert found.density_kg_m3 is not None
@@ -94,7 +94,7 @@ def _volume_m3(link: Element, mass_kg: float, found: Found) -> float:
     return 0.0
 
 
-def _matrices(robot: Robot, found: Found, link: Element) -> tuple[Floats, Floats, Floats] | None:
+def _matrices(robot: Robot, found: Description, link: Element) -> tuple[Floats, Floats, Floats] | None:
     """Return Fossen's matrices of a <link>: added mass, linear and quadratic damping, magnitudes, at its origin."""
     sides = [link.number(f"box/{side}", 0.0) for side in ("length", "width", "height")]
     if not robot.solids and all(side > 0.0 for side in sides):
@@ -143,7 +143,7 @@ def uuv_errors(plugin: Element, kind: str) -> Errors:
     return {"channels": stated} if stated else {}
 
 
-def _matrix(model: Element, key: str, sign: float, found: Found) -> Floats:
+def _matrix(model: Element, key: str, sign: float, found: Description) -> Floats:
     values = model.numbers(key)
     if values is None:
         return np.zeros((6, 6))
@@ -157,7 +157,7 @@ def _matrix(model: Element, key: str, sign: float, found: Found) -> Floats:
     return np.asarray(matrix)
 
 
-def _limits(plugin: Element, conversion: Element, robot: Robot, found: Found) -> tuple[float, float]:
+def _limits(plugin: Element, conversion: Element, robot: Robot, found: Description) -> tuple[float, float]:
     """Return the lowest and highest input of a thruster. Raises ValueError for one without a bound."""
     low, high = plugin.number("clampMin", -np.inf), plugin.number("clampMax", np.inf)
     if low == high:
@@ -251,7 +251,7 @@ def _thrust_n(conversion: Element, x: float) -> float:
     return float(_converted(conversion, np.array([x]))[0])
 
 
-def uuv_thruster(plugin: Element, links: Links, to_base: Pose, robot: Robot, found: Found) -> Thruster:
+def uuv_thruster(plugin: Element, links: Links, to_base: Pose, robot: Robot, found: Description) -> Thruster:
     """Read UUV Simulator's thruster: a clamped input, a lag, and a conversion to thrust."""
     joint_name = plugin.text("jointName")
     if joint_name is None:

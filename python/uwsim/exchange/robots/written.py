@@ -16,11 +16,12 @@ from uwsim.base.own_files import require_own
 from uwsim.base.texts.yaml_document import yaml_document
 from uwsim.exchange.hulls.draft import drafted
 from uwsim.exchange.robots.floors import BED_M, grid_text, ground_heights, ground_of, plane_heights
-from uwsim.exchange.robots.robot import SENSES, Fin, Found, Mesh, Robot, Thruster, plain_name, unlike_zero
+from uwsim.exchange.robots.robot import SENSES, Description, Fin, Mesh, Robot, Thruster, plain_name, unlike_zero
 from uwsim.exchange.robots.shapes import closed, joined, volume_and_centre
 from uwsim.exchange.robots.xml_file import Floats, Pose, yaw_pitch_roll_deg
 from uwsim.scenario.dump import yaml_text
 from uwsim.scenario.read.calibration import read_calibration
+from uwsim.scenario.read.note import Note
 from uwsim.simulator.simulator import Simulator
 
 ROOM_M, BED_MIN_M, BED_SPACING_M = 60.0, 20.0, 2.0
@@ -44,7 +45,7 @@ STATES = ("added_mass", "linear", "quadratic")
 KEYS = {"added_mass": "added_mass", "linear": "linear_damping", "quadratic": "quadratic_damping"}
 
 
-def write_found(found: Found, out: Path) -> Path:
+def write_found(found: Description, out: Path) -> Path:
     """Write a folder: NAME.yaml, and for each vehicle its YAML file and hull. Return the scenario's path.
 
     Everything is checked before anything is written: what uwsim would refuse is refused here. Notes are added to
@@ -84,7 +85,7 @@ def write_found(found: Found, out: Path) -> Path:
     return out / f"{found.name}.yaml"
 
 
-def _guest(found: Found) -> Robot:
+def _guest(found: Description) -> Robot:
     """Return a packaged vehicle for a world without one, at its clear place."""
     ground, bed_m = None, -np.inf if found.bed_z_m is None else found.bed_z_m
     if found.bed_z_m is None and found.meshes:
@@ -97,7 +98,7 @@ def _guest(found: Found) -> Robot:
     return Robot(GUEST, Pose(at, np.eye(3)), model=GUEST)
 
 
-def _clear_place(found: Found, height_m: float, ground: str | None) -> Floats:
+def _clear_place(found: Description, height_m: float, ground: str | None) -> Floats:
     """Return the place nearest to the middle with nothing beside, above or close below it, else one beside all objects.
 
     A triangle counts for all of its box, so that a place is never within a solid. ground: the name of the body over
@@ -117,7 +118,7 @@ def _clear_place(found: Found, height_m: float, ground: str | None) -> Floats:
     return np.array([high[0] + GUEST_ROOM_M, middle[1], height_m])
 
 
-def _extent(found: Found) -> tuple[Floats, Floats]:
+def _extent(found: Description) -> tuple[Floats, Floats]:
     """Return the lowest and the highest corner of the box around all fixed objects, (3,) each [m]."""
     corners = np.array([edge(vertices, axis=0) for vertices, _ in found.meshes.values() for edge in (np.min, np.max)])
     return corners.min(axis=0), corners.max(axis=0)
@@ -139,7 +140,7 @@ def require_simulable(name: str, contents: Mapping[str, bytes]) -> None:
 
 
 def _scenario(
-    found: Found, vehicles: list[dict[str, Any]], obstacles: list[dict[str, Any]], contents: dict[str, bytes]
+    found: Description, vehicles: list[dict[str, Any]], obstacles: list[dict[str, Any]], contents: dict[str, bytes]
 ) -> dict[str, Any]:
     """Return a scenario's values; a sloped bed is a file of its own, added to the contents."""
     places = [robot.place.position_m for robot in found.robots]
@@ -183,7 +184,7 @@ def _scenario(
     }
 
 
-def _sloped_bed(found: Found, across_m: float) -> tuple[Floats, float] | None:
+def _sloped_bed(found: Description, across_m: float) -> tuple[Floats, float] | None:
     """Return the heights of a bed that is not level, and their spacing: a plane's, or those of the body under all.
 
     A level ground sets `bed_z_m` instead.
@@ -210,14 +211,14 @@ def _sloped_bed(found: Found, across_m: float) -> tuple[Floats, float] | None:
     return heights, spacing
 
 
-def _start(robot: Robot, found: Found) -> dict[str, Any]:
+def _start(robot: Robot, found: Description) -> dict[str, Any]:
     yaw, pitch, roll = yaw_pitch_roll_deg(robot.place.turn)
     if abs(pitch) > 0.1 or abs(roll) > 0.1:
         found.left_out(f"vehicle '{robot.name}': it would start pitched and rolled by {pitch:.1f} and {roll:.1f} deg")
     return {"position_m": _row(robot.place.position_m), "yaw_deg": round(yaw, 4)}
 
 
-def _vehicle(robot: Robot, found: Found) -> tuple[Mesh, dict[str, Any], Floats]:
+def _vehicle(robot: Robot, found: Description) -> tuple[Mesh, dict[str, Any], Floats]:
     """Return a vehicle's hull, the values of its file, and its origin in the frame of the base link."""
     hull, centre = _hull(robot, found)
     whole = robot.whole()
@@ -271,7 +272,7 @@ def _vehicle(robot: Robot, found: Found) -> tuple[Mesh, dict[str, Any], Floats]:
     return hull, values, origin
 
 
-def _outfit(robot: Robot, found: Found, vertices: Floats) -> None:
+def _outfit(robot: Robot, found: Description, vertices: Floats) -> None:
     """Add what a vehicle lacks to fly a survey, under its hull, or note the option that adds it."""
     low, high = vertices.min(axis=0), vertices.max(axis=0)
     lacks = {
@@ -282,7 +283,7 @@ def _outfit(robot: Robot, found: Found, vertices: Floats) -> None:
     if not what:
         return
     if found.given.outfit is None:
-        found.noted(f"for a survey, vehicle '{robot.name}' lacks {what}: --outfit survey adds it")
+        found.noted(Note("", f"for a survey, vehicle '{robot.name}' lacks {what}: --outfit survey adds it"))
         return
     found.assumed(f"vehicle '{robot.name}': {what} under its hull, by --outfit survey", SENSES)
     if robot.sonar is None:
@@ -292,7 +293,7 @@ def _outfit(robot: Robot, found: Found, vertices: Floats) -> None:
         robot.sensors[name] = ALTIMETER | {"position_m": [0.0, 0.0, float(low[2])]}
 
 
-def _possible(name: str, moments: list[float], found: Found) -> list[float]:
+def _possible(name: str, moments: list[float], found: Description) -> list[float]:
     """Return moments of inertia of which the largest does not exceed the sum of the others, as for any rigid body."""
     most, rest = max(moments), sum(moments) - max(moments)
     if most <= rest:
@@ -304,7 +305,7 @@ def _possible(name: str, moments: list[float], found: Found) -> list[float]:
     return [float(np.round(rest, 9)) if value == most else value for value in moments]
 
 
-def _calibrate(robot: Robot, found: Found) -> None:
+def _calibrate(robot: Robot, found: Description) -> None:
     """Give cameras the calibrations that are named as they are; a single file is that of a single camera."""
     files = found.given.calibrations
     for file in files:
@@ -322,10 +323,10 @@ def _calibrate(robot: Robot, found: Found) -> None:
             continue
         kept = {key: value for key, value in robot.cameras[own[0]].items() if key != "field_of_view_deg"}
         robot.cameras[own[0]] = {**kept, **fields}
-        found.noted(f"read: camera '{own[0]}': its calibration, '{file}'")
+        found.noted(Note("read", f"camera '{own[0]}': its calibration, '{file}'"))
 
 
-def _hull(robot: Robot, found: Found) -> tuple[Mesh, Floats]:
+def _hull(robot: Robot, found: Description) -> tuple[Mesh, Floats]:
     """Return the hull, which displaces the stated volume about the stated centre, and its centroid."""
     if not robot.solids:
         raise ValueError(f"vehicle '{robot.name}': has no solid that displaces water")
@@ -341,7 +342,7 @@ def _hull(robot: Robot, found: Found) -> tuple[Mesh, Floats]:
     return (about * _stretch(robot, about, robot.whole().centre_m - centre, found) + centre, hull[1]), centre
 
 
-def _stretch(robot: Robot, about: Floats, mass_m: Floats, found: Found) -> Floats:
+def _stretch(robot: Robot, about: Floats, mass_m: Floats, found: Description) -> Floats:
     """Return factors by axis that keep a hull's volume, and with which it reaches beyond the centre of mass.
 
     Gazebo's buoyant shapes are often thin boxes of the right volume; uwsim refuses a centre of mass outside the hull's

@@ -25,6 +25,7 @@ from uwsim.exchange.unity.scene import Piece, read_scene
 from uwsim.scenario.dump import yaml_text
 from uwsim.scenario.read.assets import find_yaml
 from uwsim.scenario.read.mesh_file import TURNS_UP
+from uwsim.scenario.read.note import Note
 from uwsim.scenario.spec.fields import NAME
 
 FROM_UNITY = np.array([[-1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
@@ -58,13 +59,14 @@ def scenario_from(
     read = read_scene(project, scene)
     notes = read.left_out
     if read.pictures:
-        notes.append(f"assumed: each of {read.pictures} materials with a picture has one colour, the picture's mean")
+        colour = "one colour, the picture's mean"
+        notes.append(Note("assumed", f"each of {read.pictures} materials with a picture has {colour}"))
     groups: dict[str, list[Piece]] = {}
     for piece in (_moved(each, centre_m) for each in read.pieces):
         groups.setdefault(piece.body[0] if piece.body else piece.path[0], []).append(piece)
     for name in [name for name in groups if WATER in name.lower()]:
         del groups[name]
-        notes.append(f"left out: {name}: the water is the scenario's")
+        notes.append(Note("left out", f"{name}: the water is the scenario's"))
     bodies = [name for name, pieces in groups.items() if pieces[0].body is not None]
     if len(bodies) != 1:
         raise ValueError(f"'{scene}': has {len(bodies)} rigid bodies with meshes ({', '.join(bodies)}): must be one")
@@ -75,8 +77,8 @@ def scenario_from(
     bed = read_bed(_joined(groups.pop(terrain), _in_world), size_m)
     for name in [name for name, pieces in groups.items() if size_m is not None and _is_beyond(bed, pieces)]:
         del groups[name]
-        notes.append(f"left out: {name}: it lies beyond --size = {size_m:g} m")
-    notes.append(f"assumed: the bed is flat at z = {bed.fill_m:.1f} m where {terrain} has none")
+        notes.append(Note("left out", f"{name}: it lies beyond --size = {size_m:g} m"))
+    notes.append(Note("assumed", f"the bed is flat at z = {bed.fill_m:.1f} m where {terrain} has none"))
     written.add("terrain.asc", bed.text)
     hull_file = written.mesh("vehicle", hull, _in_body(hull[0]))
     paper = read_yaml(find_yaml("paper", "scenarios")).values
@@ -92,7 +94,7 @@ def scenario_from(
         "obstacles": [],
     }  # fmt: skip
     if station is None:
-        notes.append(f"left out: {STATION}: the scene has none, so the packaged one is used")
+        notes.append(Note("left out", f"{STATION}: the scene has none, so the packaged one is used"))
     else:
         place = np.array(values["station"]["position_m"])
         values["station"]["mesh"] = written.mesh("station", station, lambda points: _in_world(points) - place)
@@ -148,14 +150,14 @@ class _Files:
         self.add(f"{name}.glb", cast(bytes, scene.export(file_type="glb")))
         return f"{name}.glb"
 
-    def drafted(self, hull: str) -> tuple[str, list[str]]:
+    def drafted(self, hull: str) -> tuple[str, list[Note]]:
         """Return the text of the vehicle's file, drafted from its mesh, and notes. Raises ValueError."""
         with TemporaryDirectory() as folder:
             mesh = Path(folder).resolve() / hull
             mesh.write_bytes(self._contents[hull])
             draft = drafted(mesh, AXES, None, "metres", "x")
         return draft.text.replace(str(mesh), hull), [
-            f"vehicle: {note.replace(str(mesh), hull)}" for note in draft.notes
+            Note("", f"vehicle: {note.replace(str(mesh), hull)}") for note in draft.notes
         ]
 
     def write(self, scenario: str) -> None:
@@ -207,7 +209,7 @@ def _joined(pieces: Iterable[Piece], placed: Any) -> tuple[NDArray[np.float64], 
     return np.concatenate(vertices), np.concatenate(triangles)
 
 
-def _over(bed: Bed, values: dict[str, Any]) -> list[str]:
+def _over(bed: Bed, values: dict[str, Any]) -> list[Note]:
     """Move start and survey over the bed if those of `paper` are not; return notes."""
     station, survey = values["station"], values["survey"]
     east, north, _ = np.add(station["position_m"], station["dock_m"])
@@ -222,7 +224,8 @@ def _over(bed: Bed, values: dict[str, Any]) -> list[str]:
     if half_m >= SURVEY_MIN_M:
         values["survey"] = survey | {"area_m": [[west, south], [east, south], [east, north], [west, north]]}
     where = ", ".join(f"{value:g}" for value in start)
-    return [f"assumed: the vehicle starts at ({where}) m, since `paper` starts or surveys beyond the bed or on land"]
+    beyond = "since `paper` starts or surveys beyond the bed or on land"
+    return [Note("assumed", f"the vehicle starts at ({where}) m, {beyond}")]
 
 
 def _name(text: str, number: int, others: list[dict[str, Any]]) -> str:

@@ -16,6 +16,7 @@ from uwsim.base.extras import need_extra
 from uwsim.exchange.unity.material import Material, read_material
 from uwsim.exchange.unity.project import Document, Project
 from uwsim.scenario.read.assimp_mesh import NodeMesh, nodes_by_assimp
+from uwsim.scenario.read.note import Note
 
 Matrix = NDArray[np.float64]
 LEFT_HANDED = np.diag([-1.0, 1.0, 1.0, 1.0])
@@ -73,10 +74,10 @@ class Scene:
         return sum(each is not None and each.has_picture for each in self.materials.values())
 
     @property
-    def left_out(self) -> list[str]:
-        """A line for each object that was left out, and one for each file that several of them lack."""
+    def left_out(self) -> list[Note]:
+        """A note for each object that was left out, and one for each file that several of them lack."""
         return [
-            f"left out: {name}{more}: {reason}"
+            Note("left out", f"{name}{more}: {reason}")
             for reason, names in self.dropped.items()
             for name, more in (
                 [(each, "") for each in names]

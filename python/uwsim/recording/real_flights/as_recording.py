@@ -14,11 +14,12 @@ from uwsim.recording.real_flights.motion import GAP_S, at_times
 from uwsim.recording.recorder import Recorder
 from uwsim.recording.timeline import FROM_LOG, LONGEST_S, SAMPLE_S
 from uwsim.scenario.georeference import georeference
+from uwsim.scenario.read.note import Note
 from uwsim.simulator.simulator import Simulator
 
 
-def record_log(log: FlightLog, sim: Simulator, path: Path) -> list[str]:
-    """Write a new recording, .mcap, and return lines about what was assumed or is missing.
+def record_log(log: FlightLog, sim: Simulator, path: Path) -> list[Note]:
+    """Write a new recording, .mcap, and return notes on what was assumed or is missing.
 
     The command `place` is issued every SAMPLE_S, with the log's pose and velocity at that time; in between, the
     vehicle moves by the scenario's physics, its thrusters at rest. Raises OSError, or ValueError for a log without
@@ -28,18 +29,18 @@ def record_log(log: FlightLog, sim: Simulator, path: Path) -> list[str]:
     if path.suffix != ".mcap":
         raise ValueError(f"--as-recording {path}: must end in .mcap")
     ticks, times_s, turns, is_turned = _attitudes(log, sim.step_s)
-    start_m = sim.rov.pose.position_world_m
+    start_m, scenario = sim.rov.pose.position_world_m, f"scenario '{sim.scenario.name}'"
     position, notes = _positions(log, sim, times_s)
     known = np.isfinite(position) & is_turned[:, None]
     notes += _held("attitude", is_turned)
     for name, axis in (("horizontal position", 0), ("depth", 2)):
         if not known[:, axis].any():
-            notes.append(f"missing: {name}: the vehicle keeps that of the start of scenario '{sim.scenario.name}'")
+            notes.append(Note("missing", f"{name}: the vehicle keeps that of the start of {scenario}"))
         elif is_turned.any():
             notes += _held(name, known[:, axis])
     position = np.column_stack([_filled(position[:, k], known[:, k], start_m[k]) for k in range(3)])
     velocity = _velocities(log, times_s, position, turns, known)
-    notes.append(f"assumed: the vehicle is '{sim.rov.name}' of scenario '{sim.scenario.name}'; thrusters are at rest")
+    notes.append(Note("assumed", f"the vehicle is '{sim.rov.name}' of {scenario}; thrusters are at rest"))
 
     def place(k: int) -> None:
         sim.rov.place(position[k], turns[k].as_quat(), velocity[k])
@@ -55,12 +56,13 @@ def record_log(log: FlightLog, sim: Simulator, path: Path) -> list[str]:
     if not has_room.any():
         raise ValueError(f"{log.path}: none of {len(ticks)} poses is possible: {why}")
     if left_out := int((~has_room).sum()):
-        notes.append(f"left out: {left_out} of {len(ticks)} poses, {why}; the vehicle stays where it was before")
+        why = f"{left_out} of {len(ticks)} poses, {why}"
+        notes.append(Note("left out", f"{why}; the vehicle stays where it was before"))
         position = np.column_stack([_filled(position[:, k], has_room, start_m[k]) for k in range(3)])
         velocity[~has_room] = 0.0
     place(0)
     first = sim.tick
-    with Recorder(sim, path, is_light=True, notes={FROM_LOG: {"file": log.path.name, "notes": notes}}):
+    with Recorder(sim, path, is_light=True, notes={FROM_LOG: {"file": log.path.name, "notes": list(map(str, notes))}}):
         for k, tick in enumerate(ticks.tolist()[1:], 1):
             sim.step(first + tick - sim.tick)
             place(k)
@@ -91,26 +93,27 @@ def _attitudes(log: FlightLog, step_s: float) -> tuple[NDArray[np.int64], Floats
     return ticks, times_s, turns, is_known
 
 
-def _positions(log: FlightLog, sim: Simulator, times_s: Floats) -> tuple[Floats, list[str]]:
+def _positions(log: FlightLog, sim: Simulator, times_s: Floats) -> tuple[Floats, list[Note]]:
     """Return positions (n, 3) in the world, NaN where unknown, and notes."""
     logged = at_times(log.series.get("position"), times_s, 3)
     depth = at_times(log.series.get("depth"), times_s, 1)[:, 0]
     height = np.where(np.isfinite(depth), -depth, logged[:, 2])
     notes = []
     if not np.isfinite(depth).any() and np.isfinite(height).any():
-        notes.append("assumed: the log's position is 0 m high at the surface: it has no depth")
+        notes.append(Note("assumed", "the log's position is 0 m high at the surface: it has no depth"))
     place = georeference(sim.scenario)
     degrees = at_times(log.series.get("place"), times_s, 2)
     known = np.isfinite(degrees).all(axis=1)
     if place.crs is not None and known.any():
         logged[:, :2] = np.nan
         logged[known, :2] = [place.world_m(lat, lon, 0.0)[:2] for lat, lon in degrees[known].tolist()]
-        return np.column_stack([logged[:, :2], height]), [*notes, "known: horizontal position from places on Earth"]
+        notes.append(Note("known", "horizontal position from places on Earth"))
+        return np.column_stack([logged[:, :2], height]), notes
     known = np.isfinite(logged[:, :2]).all(axis=1)
     logged[~known, :2] = np.nan
     if known.any():
         logged[:, :2] += sim.rov.pose.position_world_m[:2] - logged[known][0, :2]
-        notes.append("assumed: the log's first position is that of the scenario's start; x is east, y north")
+        notes.append(Note("assumed", "the log's first position is that of the scenario's start; x is east, y north"))
     return np.column_stack([logged[:, :2], height]), notes
 
 
@@ -137,6 +140,6 @@ def _filled(values: Floats, known: NDArray[np.bool_], default: float) -> Floats:
     return values[np.where(last < 0, np.argmax(known), last)]
 
 
-def _held(name: str, known: NDArray[np.bool_]) -> list[str]:
-    count = int((~known).sum())
-    return [f"assumed: {name} stays as it was in {count} of {len(known)} samples, which lack it"] if count else []
+def _held(name: str, known: NDArray[np.bool_]) -> list[Note]:
+    stays = f"{name} stays as it was in {(~known).sum()} of {len(known)} samples, which lack it"
+    return [] if known.all() else [Note("assumed", stays)]

@@ -24,6 +24,7 @@ from uwsim.recording.real_flights.motion import GAP_S, MotionLog, command
 from uwsim.scenario import VehicleModel
 from uwsim.scenario.build.hull import is_boat
 from uwsim.scenario.build.vehicle import double_integrator
+from uwsim.scenario.read.note import Note
 
 HORIZONS_S = (1.0, 2.0, 5.0, 10.0, 30.0)
 WINDOWS_MAX = 120
@@ -56,7 +57,7 @@ class Beside(ShortRepr):
     horizons: dict[float, dict[str, Mean | None]]
     integrator: dict[float, dict[str, Mean | None]]
     moved: dict[float, Mean | None]
-    notes: tuple[str, ...]
+    notes: tuple[Note, ...]
 
     def rows(self) -> list[tuple[str, ...]]:
         """Return a table: a heading, then for each horizon a row of the model, and one of the double integrator."""
@@ -133,15 +134,15 @@ def fly_beside(
             off = _errors(flown, logged) | ({"tilt": np.empty(0)} if log.unstated else {})
             errors[h] = {name: _mean(values) for name, values in off.items()}
         moved[h] = _mean(_length(logged[:, :3]))
-    notes += [f"missing: a horizon of {h:g} s: the log is too short" for h in horizons_s if h not in horizons]
+    notes += [Note("missing", f"a horizon of {h:g} s: the log is too short") for h in horizons_s if h not in horizons]
     lacking = [name for name in ERRORS if all(errors[name] is None for errors in horizons.values())]
-    notes += [f"missing: the error of {name}: the log does not have what it needs" for name in lacking]
+    notes += [Note("missing", f"the error of {name}: the log does not have what it needs") for name in lacking]
     where = "the calm surface" if is_boat(model, density_kg_m3) else "deep, still water"
-    notes.append(f"assumed: {where} of {density_kg_m3:g} kg/m3, without tether, current, waves and wind")
+    notes.append(Note("assumed", f"{where} of {density_kg_m3:g} kg/m3, without tether, current, waves and wind"))
     return Beside(horizons, integrator, moved, tuple(notes))
 
 
-def _velocities(log: MotionLog) -> tuple[Floats, list[str]]:
+def _velocities(log: MotionLog) -> tuple[Floats, list[Note]]:
     """Return velocities (n, 6), in the body's axes: those measured, else from positions, else 0; and notes."""
     velocity, notes = log.velocity_body.copy(), []
     lacks = ~np.isfinite(velocity[:, :3])
@@ -151,18 +152,16 @@ def _velocities(log: MotionLog) -> tuple[Floats, list[str]]:
         span_s = np.maximum(log.times_s[high] - log.times_s[low], 1e-9)[:, None]
         world = np.where(span_s <= 2 * GAP_S, (log.position_m[high] - log.position_m[low]) / span_s, np.nan)
         if not np.isfinite(world).any():
-            notes.append("assumed: each window begins at rest: the log has no velocity and no position")
+            notes.append(Note("assumed", "each window begins at rest: the log has no velocity and no position"))
         elif not np.isfinite(world[:, :2]).any():
-            notes.append(
-                "assumed: each window begins without horizontal velocity, which the log does not have; "
-                "its vertical one is that of the depth"
-            )
+            way = "without horizontal velocity, which the log does not have; its vertical one is that of the depth"
+            notes.append(Note("assumed", f"each window begins {way}"))
         else:
-            notes.append("assumed: velocities where none is measured are differences of positions, else 0")
+            notes.append(Note("assumed", "velocities where none is measured are differences of positions, else 0"))
         body = Rotation.from_quat(log.orientation_xyzw).inv().apply(np.nan_to_num(world))
         velocity[:, :3] = np.where(lacks, body, velocity[:, :3])
     if not np.isfinite(velocity[:, 3:]).all():
-        notes.append("assumed: rates where none is measured are 0")
+        notes.append(Note("assumed", "rates where none is measured are 0"))
     return np.nan_to_num(velocity), notes
 
 

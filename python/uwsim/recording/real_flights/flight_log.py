@@ -15,6 +15,7 @@ from scipy.spatial.transform import Rotation
 
 from uwsim.base.arrays import Floats
 from uwsim.base.short_repr import ShortRepr
+from uwsim.scenario.read.note import Note
 
 QUANTITIES: Mapping[str, str] = {
     "attitude": "",
@@ -70,20 +71,18 @@ class FlightLog(ShortRepr):
     assumed: tuple[str, ...] = ()
     unstated: tuple[str, ...] = ()
 
-    def notes(self) -> list[str]:
-        """Return a line for each quantity that is known or missing, and for each assumption."""
+    def notes(self) -> list[Note]:
+        """Return a note for each quantity that is known or missing, and for each assumption."""
         known = [
-            f"known: {name} from {each.source}, {len(each.times_s)} rows{_absent(name, each)}"
+            Note("known", f"{name} from {each.source}, {len(each.times_s)} rows{_absent(name, each)}")
             for name, each in self.series.items()
         ]
-        lacking = [name for name in QUANTITIES if name not in self.series]
-        moves = ("outputs", "thrusters", "efforts")
-        lacking = [name for name in lacking if name not in moves]
-        if not any(name in self.series for name in moves):
+        moves, speeds = {"outputs", "thrusters", "efforts"}, {"velocity", "body velocity"}
+        stated = {*self.series, *moves, *(speeds if speeds & self.series.keys() else ())}
+        lacking = [name for name in QUANTITIES if name not in stated]
+        if not moves & self.series.keys():
             lacking.append("outputs of thrusters, or their commands")
-        lacking = [name for name in lacking if name != "body velocity" or "velocity" not in self.series]
-        lacking = [name for name in lacking if name != "velocity" or "body velocity" not in self.series]
-        return [*known, *(f"missing: {name}" for name in lacking), *(f"assumed: {line}" for line in self.assumed)]
+        return [*known, *(Note("missing", name) for name in lacking), *(Note("assumed", each) for each in self.assumed)]
 
 
 PARTS = ("east", "north", "up")

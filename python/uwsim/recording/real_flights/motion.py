@@ -17,6 +17,7 @@ from uwsim.batch import Batch
 from uwsim.recording.real_flights.flight_log import FlightLog, Series
 from uwsim.recording.real_flights.frames import FRAMES, frame_of, servo_motors
 from uwsim.scenario import VehicleModel
+from uwsim.scenario.read.note import Note
 
 GAP_S = 1.0  # measured values are interpolated over shorter gaps only
 LEAST_COMMAND, LEAST_TURN_RAD, LEAST_WAY_M = 0.02, 0.02, 0.05
@@ -28,6 +29,7 @@ FRAME_NAMES = {1.0: "vectored", 2.0: "vectored_6dof"}
 """ArduSub's FRAME_CONFIG."""
 FIRST_MOTOR = 33  # SERVOn_FUNCTION of the first motor
 IN_ORDER, EXAMPLE = "order", "such as 1=front_right,2=-front_left"
+Motors = dict[str, tuple[int, float]]  # a thruster's output, from 0, and sign
 PAIR = re.compile(r"\s*(?P<output>[1-9]\d?)\s*=\s*(?P<sign>-?)(?P<thruster>\S+)\s*")
 
 
@@ -70,8 +72,8 @@ def sampled(times_s: Floats, efforts: Floats) -> tuple[Floats, Floats, Floats]:
     return times, efforts[[0, *kept]], np.concatenate([[0.0], gap_s / np.sqrt(12.0)])
 
 
-def motion_of(log: FlightLog, model: VehicleModel, outputs: str | None = None) -> tuple[MotionLog, list[str]]:
-    """Return a log's motion and the commands of a vehicle's thrusters, and lines about what was assumed.
+def motion_of(log: FlightLog, model: VehicleModel, outputs: str | None = None) -> tuple[MotionLog, list[Note]]:
+    """Return a log's motion and the commands of a vehicle's thrusters, and notes on what was assumed.
 
     outputs: which output drives which thruster: a frame of ArduSub, `order` for the file's order, or pairs such as
     `1=front_right, 2=-front_left`. Raises ValueError for a log without attitude, commands or motion.
@@ -142,8 +144,8 @@ def at_times(series: Series | None, times_s: Floats, width: int) -> Floats:
     return found
 
 
-def _commands(log: FlightLog, model: VehicleModel, outputs: str | None) -> tuple[Series, tuple[str, ...], list[str]]:
-    """Return the commands, the thrusters that they are of (none for efforts), and lines about what was assumed."""
+def _commands(log: FlightLog, model: VehicleModel, outputs: str | None) -> tuple[Series, tuple[str, ...], list[Note]]:
+    """Return the commands, the thrusters that they are of (none for efforts), and notes on what was assumed."""
     found, thrusters = log.series, list(model.thrusters)
     if (efforts := found.get("efforts")) is not None:
         values = np.zeros((len(efforts.times_s), 6))
@@ -159,7 +161,7 @@ def _commands(log: FlightLog, model: VehicleModel, outputs: str | None) -> tuple
                     f"'{model.name}' has {len(thrusters)} thrusters"
                 )
             names = tuple(thrusters)
-            notes.append(f"assumed: commands are of the thrusters {', '.join(thrusters)}, in this order")
+            notes.append(Note("assumed", f"commands are of the thrusters {', '.join(thrusters)}, in this order"))
         for name in names:
             _require_thruster(f"{log.path}: {given.source}", name, thrusters)
         kept = np.nan_to_num(given.values[:, : len(names)])
@@ -171,7 +173,8 @@ def _commands(log: FlightLog, model: VehicleModel, outputs: str | None) -> tuple
     low, high = (log.parameters.get(f"MOT_PWM_{end}", 0.0) for end in ("MIN", "MAX"))
     span_us = 0.5 * (high - low) if high - low > 1.0 else SPAN_US
     if high - low <= 1.0:
-        notes.append(f"assumed: pulses of {NEUTRAL_US - SPAN_US:g} to {NEUTRAL_US + SPAN_US:g} us are commands -1 to 1")
+        pulses = f"pulses of {NEUTRAL_US - SPAN_US:g} to {NEUTRAL_US + SPAN_US:g} us"
+        notes.append(Note("assumed", f"{pulses} are commands -1 to 1"))
     if max(motors.values(), key=lambda each: each[0])[0] >= series.values.shape[1]:
         count = series.values.shape[1]
         raise ValueError(f"{log.path}: {series.source}: has {count} outputs: too few for {outputs or model.name}")
@@ -180,9 +183,9 @@ def _commands(log: FlightLog, model: VehicleModel, outputs: str | None) -> tuple
     return Series(series.times_s, values, series.source), tuple(motors), notes
 
 
-def _motors(log: FlightLog, model: VehicleModel, outputs: str | None) -> tuple[dict[str, tuple[int, float]], list[str]]:
-    """Return the output, from 0, and the sign of each thruster, and lines about what was assumed."""
-    thrusters, notes = model.thrusters, list[str]()
+def _motors(log: FlightLog, model: VehicleModel, outputs: str | None) -> tuple[Motors, list[Note]]:
+    """Return the output, from 0, and the sign of each thruster, and notes on what was assumed."""
+    thrusters, notes = model.thrusters, list[Note]()
     if outputs is not None and "=" in outputs:
         return _stated(outputs, list(thrusters)), notes
     if outputs == IN_ORDER:
@@ -194,11 +197,10 @@ def _motors(log: FlightLog, model: VehicleModel, outputs: str | None) -> tuple[d
             raise ValueError(f"{log.path}: FRAME_CONFIG = {stated:g}: must be 1 or 2; or state --outputs, {EXAMPLE}")
         frame = frame_of(thrusters, model.name) if stated is None else FRAME_NAMES[stated]
         if stated is None:
-            notes.append(
-                f"assumed: ArduSub's frame {frame}, which the vehicle's thrusters fit; no FRAME_CONFIG is logged"
-            )
+            fits = f"ArduSub's frame {frame}, which the vehicle's thrusters fit"
+            notes.append(Note("assumed", f"{fits}; no FRAME_CONFIG is logged"))
         else:
-            notes.append(f"known: ArduSub's frame {frame} from FRAME_CONFIG = {stated:g}")
+            notes.append(Note("known", f"ArduSub's frame {frame} from FRAME_CONFIG = {stated:g}"))
     elif frame not in FRAMES:
         known = (*FRAMES, IN_ORDER)
         raise ValueError(
@@ -211,9 +213,9 @@ def _motors(log: FlightLog, model: VehicleModel, outputs: str | None) -> tuple[d
     numbers = {int(v) - FIRST_MOTOR: k - 1 for k in range(1, 33) if (v := _function(log.parameters, k)) is not None}
     turned = {k: log.parameters.get(f"MOT_{k + 1}_DIRECTION", 0.0) for k in range(len(motors))}
     if not numbers:
-        notes.append("assumed: motor 1 is output 1, and so on; no SERVOn_FUNCTION is logged")
+        notes.append(Note("assumed", "motor 1 is output 1, and so on; no SERVOn_FUNCTION is logged"))
     if not any(turned.values()):
-        notes.append("assumed: no motor is reversed; no MOT_n_DIRECTION is logged")
+        notes.append(Note("assumed", "no motor is reversed; no MOT_n_DIRECTION is logged"))
     signs = {k: -1.0 if value < 0 else 1.0 for k, value in turned.items()}
     return {
         each.thruster: (numbers.get(each.output, each.output), each.direction * signs[each.output]) for each in motors
@@ -225,7 +227,7 @@ def _function(parameters: Mapping[str, float], output: int) -> float | None:
     return value if value is not None and FIRST_MOTOR <= value < FIRST_MOTOR + 8 else None
 
 
-def _stated(outputs: str, thrusters: list[str]) -> dict[str, tuple[int, float]]:
+def _stated(outputs: str, thrusters: list[str]) -> Motors:
     found: dict[str, tuple[int, float]] = {}
     for part in outputs.split(","):
         match = PAIR.fullmatch(part)
