@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from uwsim.base.options import need
 from uwsim.mapping.depth_grid import depth_grid
 from uwsim.mapping.files import write_cloud
-from uwsim.mapping.files.formats import CLOUD_FORMATS, GRID_FORMATS, MAP_FORMATS, Origin, placed_clouds
+from uwsim.mapping.files.formats import CLOUD_FORMATS, GRID_FORMATS, MAP_FORMATS, Origin, cloud_format, placed_clouds
 from uwsim.mapping.files.georeference import Georeference, utm_zone
 from uwsim.mapping.files.map_files import open_map, open_points
 from uwsim.mapping.files.swath import format_of
@@ -44,7 +44,7 @@ def convert(
     if suffix not in placed:
         need(f"a target that ends in {', '.join(placed)}", scenario=scenario)
     if suffix in MAP_FORMATS:
-        if source.suffix.lower() in CLOUD_FORMATS:
+        if source.suffix not in MAP_FORMATS and cloud_format(source) is not None:
             raise ValueError(f"source '{source}': a cloud has no free space, so it cannot become a map")
         if _is_survey(source):
             raise ValueError(
@@ -77,7 +77,7 @@ def convert(
 
 
 def _is_survey(source: Path) -> bool:
-    return source.suffix.lower() not in (*MAP_FORMATS, *CLOUD_FORMATS) and format_of(source) is not None
+    return source.suffix not in MAP_FORMATS and cloud_format(source) is None and format_of(source) is not None
 
 
 def _in_utm(points_m: NDArray[np.float64], place: Georeference) -> tuple[NDArray[np.float64], Georeference]:

@@ -9,8 +9,8 @@ import numpy as np
 from rich.table import Table
 
 from uwsim.base.arrays import Floats
-from uwsim.mapping.files import CLOUD_FORMATS, read_cloud
-from uwsim.mapping.files.formats import Origin
+from uwsim.mapping.files import read_cloud
+from uwsim.mapping.files.formats import Origin, cloud_format
 from uwsim.mapping.files.map_files import open_map
 from uwsim.scenario import Scenario, build_world, load
 from uwsim.scenario.build.multibeam import multibeam_model
@@ -86,7 +86,7 @@ def write_score_json(path: Path, scored: ScoredMap) -> None:
 
 
 def _read_track(path: Path, scenario: Scenario, area_world_m: Floats) -> SurveyTrack:
-    if path.suffix.lower() not in CLOUD_FORMATS:
+    if cloud_format(path) is None:
         track = SurveyTrack.read(path)
         if track.scenario_name not in ("", scenario.name):
             raise ValueError(f"'{path}': belongs to scenario '{track.scenario_name}', not to '{scenario.name}'")

@@ -1,4 +1,4 @@
-"""Point cloud files: PCD, PLY, LAS, LAZ and plain XYZ text, selected by file suffix.
+"""Point cloud files: PCD, PLY, LAS, LAZ and plain XYZ text, written by their suffix and read by their content.
 
 write_cloud("bed.ply", points_m)
 points_m = read_cloud("bed.ply")
@@ -21,7 +21,7 @@ from uwsim.base.arrays import Floats
 from uwsim.base.atomic_file import write_atomically
 from uwsim.base.caught_warnings import warn_if_cut_short
 from uwsim.base.texts.text_file import require_regular
-from uwsim.mapping.files.formats import CLOUD_FORMATS, CloudFormat, placed_clouds
+from uwsim.mapping.files.formats import CLOUD_FORMATS, CloudFormat, cloud_format, placed_clouds
 from uwsim.mapping.files.georeference import Georeference
 
 MAX_HEADER = 65_536
@@ -35,15 +35,17 @@ def write_cloud(path: str | os.PathLike[str], points_m: ArrayLike, place: Georef
     for a place that is not on Earth or that the format does not hold; OSError if the file cannot be written.
     """
     target = Path(path)
-    cloud_format, points = _format_of(target), _finite_points(points_m)
+    if target.suffix.lower() not in CLOUD_FORMATS:
+        raise ValueError(f"cloud path '{target}': must end in {', '.join(CLOUD_FORMATS)}")
+    form, points = CLOUD_FORMATS[target.suffix.lower()], _finite_points(points_m)
     if place is None:
-        data = cloud_format.encode(points)
-    elif cloud_format.encode_at is None:
+        data = form.encode(points)
+    elif form.encode_at is None:
         raise ValueError(f"cloud path '{target}': holds no place on Earth; {', '.join(placed_clouds())} do")
     elif place.crs is None:
         raise ValueError(f"cloud path '{target}': the world has no place on Earth: give its scenario the key earth")
     else:
-        data = cloud_format.encode_at(points, place)
+        data = form.encode_at(points, place)
     write_atomically(target, data)
 
 
@@ -51,48 +53,44 @@ def read_cloud(path: str | os.PathLike[str]) -> Floats:
     """Return the points in a file, (n, 3) float64, except non-finite ones, which PCL writes for missing echoes.
 
     Warns if the last line of a text file has no line break. Raises OSError if the file cannot be read, ValueError if it
-    is not valid in the format given by its suffix.
+    is not valid in the format that its content is in.
     """
     source = Path(path)
-    cloud_format = _format_of(source)
-    data = _bytes_of(source)
-    with _named(source):
-        points = cloud_format.decode(data)
-    if cloud_format.text_mark is not None and cloud_format.text_mark in data[:MAX_HEADER]:
+    data, form = _read(source)
+    with _named(source, form):
+        points: Floats = form.read(data)
+    if form.text_mark is not None and form.text_mark in data[:MAX_HEADER]:
         warn_if_cut_short(f"'{source}'", data)
     return points[np.isfinite(points).all(axis=1)]
 
 
 def seen_from(path: Path) -> Floats | None:
     """Return where the points of a file were seen from, (3,), if it states that. Raises as `read_cloud` does."""
-    found = _format_of(path).seen_from
-    if found is None:
+    data, form = _read(path)
+    if form.seen_from is None:
         return None
-    with _named(path):
-        return found(_bytes_of(path))
+    with _named(path, form):
+        return form.seen_from(data)
 
 
-def _bytes_of(path: Path) -> bytes:
+def _read(path: Path) -> tuple[bytes, CloudFormat]:
     try:
         require_regular(path)
-        return path.read_bytes()
+        data = path.read_bytes()
     except OSError as error:
         raise OSError(f"'{path}': cannot be read: {error.strerror or error}") from None
+    if (form := cloud_format(path)) is None:
+        raise ValueError(f"'{path}': must be a {', a '.join(each.what for each in CLOUD_FORMATS.usable().values())}")
+    return data, form
 
 
 @contextmanager
-def _named(path: Path) -> Iterator[None]:
+def _named(path: Path, form: CloudFormat) -> Iterator[None]:
     try:
         yield
     except Exception as error:  # a malformed file can make the libraries raise any exception
         reason = " ".join(str(error).split()) or type(error).__name__
-        raise ValueError(f"'{path}': not a valid {path.suffix[1:].upper()} file: {reason}") from None
-
-
-def _format_of(path: Path) -> CloudFormat:
-    if path.suffix.lower() not in CLOUD_FORMATS:
-        raise ValueError(f"cloud path '{path}': must end in {', '.join(CLOUD_FORMATS)}")
-    return CLOUD_FORMATS[path.suffix.lower()]
+        raise ValueError(f"'{path}': not a valid {form.what}: {reason}") from None
 
 
 def _finite_points(points_m: ArrayLike) -> NDArray[np.floating]:

@@ -6,14 +6,17 @@ file, which is imported when it is looked up; docs/inside/extend.md adds one fro
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.base.arrays import Floats
+from uwsim.base.reader import Reader, reader_of
 from uwsim.base.sockets import load, load_all, registered
 
 if TYPE_CHECKING:
@@ -39,22 +42,21 @@ class MapFileFormat:
     has_probabilities: bool = False
 
 
-@dataclass(frozen=True)
-class CloudFormat:
-    """A format of point clouds.
+@dataclass(frozen=True, kw_only=True)
+class CloudFormat(Reader):
+    """A format of point clouds: a Reader of a file's bytes, which returns points and may raise any exception.
 
-    encode: converts finite points (n, 3), n > 0, float32 or float64, to bytes; raises ValueError. decode: the reverse;
-    may raise any exception. text_mark: the part of a header that declares the numbers to be text; None if all files are
-    binary. encode_at: like encode, in geographic coordinates, for points in a world with a place on Earth; None for a
-    format that has no such coordinates. seen_from: returns where the points were seen from, (3,), or None if the file
-    does not state it; None for a format that never does.
+    encode: converts finite points (n, 3), n > 0, float32 or float64, to bytes; raises ValueError. text_mark: the part
+    of a header that declares the numbers to be text; None if all files are binary. encode_at: like encode, in
+    geographic coordinates, for points in a world with a place on Earth; None for a format that has no such coordinates.
+    seen_from: returns where the points were seen from, (3,), or None if the file does not state it; None for a format
+    that never does.
     """
 
     encode: Callable[[NDArray[np.floating]], bytes]
-    decode: Callable[[bytes], NDArray[np.float64]]
     text_mark: bytes | None = None
     encode_at: Callable[[NDArray[np.floating], Georeference], bytes] | None = None
-    seen_from: Callable[[bytes], NDArray[np.float64] | None] | None = None
+    seen_from: Callable[[bytes], Floats | None] | None = None
 
 
 @dataclass(frozen=True)
@@ -98,9 +100,22 @@ class Formats(Mapping[str, Format], Generic[Format]):
         return found
 
 
+CLOUDS = "uwsim.kinds.cloud_file"
 MAP_FORMATS = Formats("uwsim.kinds.map_file", MapFileFormat)
-CLOUD_FORMATS = Formats("uwsim.kinds.cloud_file", CloudFormat)
+CLOUD_FORMATS = Formats(CLOUDS, CloudFormat)
 GRID_FORMATS = Formats("uwsim.kinds.grid_file", GridFormat)
+
+
+def begins(pattern: bytes) -> Callable[[Path, bytes], bool]:
+    """Return the `accepts` of a Reader of files whose first bytes match a pattern."""
+    found = re.compile(pattern, re.DOTALL)
+    return lambda path, head: found.match(head) is not None
+
+
+def cloud_format(path: Path) -> CloudFormat | None:
+    """Return the format of a cloud by its content; by its name, if no format accepts that; None for another file."""
+    found = reader_of(CLOUDS, path) if path.is_file() else None
+    return cast("CloudFormat | None", found or CLOUD_FORMATS.get(path.suffix.lower()))
 
 
 def placed_clouds() -> list[str]:

@@ -9,7 +9,8 @@ from datetime import date
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim.mapping.files.formats import CloudFormat
+from uwsim.base.extras import need_extra
+from uwsim.mapping.files.formats import CloudFormat, begins
 from uwsim.mapping.files.georeference import Georeference
 
 SCALE_M = 0.001
@@ -33,6 +34,8 @@ def encode_at(points_m: NDArray[np.floating], place: Georeference, *, compresses
 
 
 def _encoded(points: NDArray[np.float64], wkt: str | None, compresses: bool) -> bytes:
+    if compresses:
+        need_extra("lazrs", "a LAZ file")
     import laspy
     from laspy.vlrs.known import WktCoordinateSystemVlr
 
@@ -61,8 +64,6 @@ def decode(data: bytes) -> NDArray[np.float64]:
 
     _require_records(data)
     header = laspy.LasHeader.read_from(io.BytesIO(data))
-    if header.are_points_compressed:
-        raise ValueError("its points are compressed: its name must end in .laz")
     expected = header.offset_to_point_data + header.point_count * header.point_format.size
     if expected > len(data):
         raise ValueError(f"{len(data)} bytes, expected {expected} for its {header.point_count} points")
@@ -84,4 +85,4 @@ def _require_records(data: bytes) -> None:
         raise ValueError(f"{len(data)} bytes do not hold the {records + extended} records of the header")
 
 
-LAS = CloudFormat(encode, decode, encode_at=encode_at)
+LAS = CloudFormat("LAS file", begins(rb"LASF.{100}[\0-\x7f]"), decode, encode=encode, encode_at=encode_at)

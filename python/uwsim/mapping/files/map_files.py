@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.mapping.files.cloud_files import read_cloud
-from uwsim.mapping.files.formats import CLOUD_FORMATS, MAP_FORMATS, Origin
+from uwsim.mapping.files.formats import MAP_FORMATS, Origin, cloud_format
 from uwsim.mapping.occupancy_map import OccupancyMap
 
 FIRST_LINES = {b"# Octomap OcTree binary file": ".bt", b"# Octomap OcTree file": ".ot"}
@@ -28,7 +28,7 @@ def map_format(path: Path) -> str:
 
 def open_points(path: Path, origin_world_m: Origin = None) -> tuple[NDArray[np.float64], float | None]:
     """Return the occupied voxel centres (n, 3) and resolution of a map file, or the points of a cloud file and None."""
-    if path.suffix.lower() in CLOUD_FORMATS:
+    if path.suffix not in MAP_FORMATS and cloud_format(path) is not None:
         return read_cloud(path), None
     occupancy = open_map(path, origin_world_m)
     return occupancy.occupied_voxels(), occupancy.resolution_m

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.mapping.files.cloud_files import rounded
-from uwsim.mapping.files.formats import CloudFormat
+from uwsim.mapping.files.formats import CloudFormat, begins
 
 HEADER = """\
 # .PCD v0.7 - Point Cloud Data file format
@@ -172,4 +172,5 @@ def _xyz(columns: list[NDArray[np.generic]]) -> NDArray[np.float64]:
     return np.stack([column.astype(np.float64) for column in columns], axis=1)
 
 
-PCD = CloudFormat(encode, decode, b"DATA ascii", seen_from=seen_from)
+BEGIN = begins(rb"(#[^\n]*\n)*(VERSION|FIELDS) ")
+PCD = CloudFormat("PCD file", BEGIN, decode, encode=encode, text_mark=b"DATA ascii", seen_from=seen_from)

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.mapping.files.cloud_files import rounded
-from uwsim.mapping.files.formats import CloudFormat
+from uwsim.mapping.files.formats import CloudFormat, begins
 
 HEADER = """\
 ply
@@ -93,4 +93,4 @@ def _layout(properties: list[list[str]], order: str, name: str) -> np.dtype[np.v
     return np.dtype([(line[2], f"{order or '<'}{TYPES[line[1]]}") for line in properties])
 
 
-PLY = CloudFormat(encode, decode, b"format ascii")
+PLY = CloudFormat("PLY file", begins(rb"ply\r?\n"), decode, encode=encode, text_mark=b"format ascii")

@@ -8,7 +8,7 @@ import warnings
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim.mapping.files.formats import CloudFormat
+from uwsim.mapping.files.formats import CloudFormat, begins
 from uwsim.mapping.files.georeference import Georeference
 
 
@@ -33,4 +33,5 @@ def decode(data: bytes) -> NDArray[np.float64]:
         return np.loadtxt(text, np.float64, usecols=(0, 1, 2), ndmin=2).reshape(-1, 3)
 
 
-XYZ = CloudFormat(encode, decode, b"", encode_at)
+ROW = begins(rb"([ \t\r]*(#[^\n]*)?\n)*([ \t,]*([-+]?\.?\d[-+.\deE]*|(?i:nan))(?![^\s,#])){3}")
+XYZ = CloudFormat("XYZ file", ROW, decode, encode=encode, text_mark=b"", encode_at=encode_at)

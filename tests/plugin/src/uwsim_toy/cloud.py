@@ -5,7 +5,7 @@ import io
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim.mapping.files.formats import CloudFormat
+from uwsim.mapping.files.formats import CloudFormat, begins
 
 
 def encode(points_m: NDArray[np.floating]) -> bytes:
@@ -20,4 +20,4 @@ def decode(data: bytes) -> NDArray[np.float64]:
     return np.loadtxt(io.BytesIO(data), delimiter=",", skiprows=1, ndmin=2)
 
 
-CSV = CloudFormat(encode, decode)
+CSV = CloudFormat("CSV file", begins(rb"x,y,z\n"), decode, encode=encode)
