@@ -41,12 +41,11 @@ def reference():
     return occupancy_map
 
 
-@pytest.mark.parametrize("instruction_set", ["best", "portable"])
 @pytest.mark.parametrize(("batch", "threads"), [(1, 1), (5, 2), (12, 1), (12, 3)])
-def test_bricks_give_the_bytes_of_the_reference(reference, instruction_set, batch, threads):
+def test_bricks_give_the_bytes_of_the_reference(reference, batch, threads):
     points, counts, origins = pings()
     ends = np.cumsum(counts)
-    occupancy_map = OccupancyMap(0.2, instruction_set=instruction_set)
+    occupancy_map = OccupancyMap(0.2)
     for first in range(0, len(counts), batch):
         cut = slice(first, min(first + batch, len(counts)))
         rows = points[ends[first] - counts[first] : ends[cut.stop - 1]]
@@ -66,22 +65,12 @@ def test_one_more_miss_changes_the_bytes(reference):
     assert occupancy_map.to_bytes("ot") != reference.to_bytes("ot")
 
 
-def test_each_map_has_its_own_probabilities():
-    wanted = {"hit": 0.9, "miss": 0.45, "clamping": (0.3, 0.8)}
-    maps = [OccupancyMap(0.2, engine=engine, **wanted) for engine in ("octomap", "bricks")]
-    for occupancy_map in maps:
-        occupancy_map.insert_scans(*pings(), RANGE_M)
-    assert both(maps[0]) == both(maps[1])
-    plain = OccupancyMap(0.2)
-    plain.insert_scans(*pings(), RANGE_M)
-    assert plain.to_bytes("ot") != maps[1].to_bytes("ot")
-
-
 @pytest.mark.parametrize(
     ("options", "rule"),
     [
         ({"engine": "bonxai"}, "map.engine = 'bonxai': must be one of bricks, octomap"),
         ({"instruction_set": "mmx"}, "map.instruction_set = 'mmx'"),
+        ({"on_outside": "lose"}, r"map\.on_outside = 'lose': must be one of raise, count"),
         ({"hit": 0.3}, r"map\.hit = 0\.3: must be in \[0\.5, 1\)"),
         ({"miss": 0.0}, r"map\.miss = 0: must be in"),
         ({"clamping": (0.9, 0.1)}, "must be greater than map.clamping_min"),

@@ -2,7 +2,6 @@
 
 import re
 import subprocess
-import sys
 import threading
 
 import numpy as np
@@ -127,29 +126,6 @@ def test_each_bad_file_is_one_clear_error(tmp_path, capfd):
     with pytest.raises(OSError, match="cannot be written"):
         OccupancyMap().write(tmp_path / "none" / "map.bt")
     assert capfd.readouterr() == ("", "")
-
-
-def test_full_disk_leaves_the_old_map(tmp_path):
-    path = tmp_path / "map.bt"
-    OccupancyMap().write(path)
-    before = path.read_bytes()
-    script = """
-import resource, sys
-from uwsim.mapping import OccupancyMap
-occupancy_map = OccupancyMap(0.1)
-occupancy_map.insert_scan([[30, y, -9] for y in range(-20, 20)], [0, 0, 0])
-resource.setrlimit(resource.RLIMIT_FSIZE, (2000, 2000))
-try:
-    occupancy_map.write(sys.argv[1])
-except OSError as error:
-    print(error)
-"""
-    command = [sys.executable, "-B", "-c", script, str(path)]
-    said = subprocess.run(command, check=True, capture_output=True, text=True, timeout=300)
-    assert said.stdout == f"'{path}': cannot be written: File too large\n"
-    assert said.stderr == ""
-    assert path.read_bytes() == before
-    assert list(tmp_path.iterdir()) == [path]
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from uwsim.mapping import OccupancyMap, OccupancyModel
+from uwsim.mapping import OccupancyMap
 
 ENGINES = ["octomap", "bricks"]
 EDGE_M = 0.5
@@ -24,10 +24,6 @@ def some_map(engine, seed=1, origin=(10.0, 20.0, -5.0), scans=4, **options):
 
 def everything(occupancy):
     return occupancy.voxels_in([-1e4, -1e4, -1e4], [1e4, 1e4, 1e4])
-
-
-def as_states(cubes):
-    return dict(zip(map(tuple, cubes.centres_m.tolist()), cubes.states.tolist(), strict=True))
 
 
 @pytest.mark.parametrize("engine", ENGINES)
@@ -80,41 +76,6 @@ def test_rays_find_a_wall(engine):
         occupancy.cast_rays([[1e6, 0, 0]], [[0, 0, 1]])
 
 
-def test_both_engines_answer_alike():
-    first, second = (some_map(engine, seed=3) for engine in ENGINES)
-    rng = np.random.default_rng(5)
-    origins, directions = MIDDLE + rng.uniform(-5, 5, (500, 3)), rng.normal(size=(500, 3))
-    for ignore in (False, True):
-        one, two = (m.cast_rays(origins, directions, 15.0, ignore) for m in (first, second))
-        np.testing.assert_array_equal(one.states, two.states)
-        np.testing.assert_array_equal(one.voxels_m, two.voxels_m)
-        assert set(one.states) == ({0, 1} if ignore else {-1, 1})
-    for ask in (OccupancyMap.leaves, lambda m: m.cells(12), lambda m: m.voxels_in([5, 15, -9], [12, 22, -1])):
-        one, two = ask(first), ask(second)
-        assert len(one) > 0
-        for name in ("centres_m", "edges_m", "log_odds"):
-            np.testing.assert_array_equal(getattr(one, name), getattr(two, name))
-
-
-@pytest.mark.parametrize("engine", ENGINES)
-def test_changes_keep_a_copy_up_to_date(engine):
-    occupancy, copy = some_map(engine), {}
-    reported = []
-    for step in range(6):
-        changes = occupancy.changed_voxels()
-        reported.append(len(changes))
-        for centre, state in zip(map(tuple, changes.centres_m.tolist()), changes.states.tolist(), strict=True):
-            assert copy.get(centre) != state
-            copy[centre] = state
-        assert copy == as_states(everything(occupancy))
-        if step == 3:
-            occupancy.merge(some_map(engine, seed=9))
-        elif step != 1:
-            occupancy.insert_scan(MIDDLE + np.random.default_rng(step).uniform(-9, 9, (30, 3)), MIDDLE)
-    assert reported[0] > max(reported[1:])
-    assert [count > 0 for count in reported] == [True, True, False, True, True, True]
-
-
 def test_maps_on_another_grid_are_not_merged():
     occupancy, far = some_map("bricks", origin=(0, 0, 0)), OccupancyMap(EDGE_M, [-16000, 0, 0])
     far.insert_scan([[-17000, 0, 0]], [-17010, 0, 0])
@@ -130,35 +91,3 @@ def test_maps_on_another_grid_are_not_merged():
     with pytest.raises(TypeError, match="other = None: must be an OccupancyMap"):
         occupancy.merge(None)
     assert occupancy.to_bytes("ot") == before
-
-
-@pytest.mark.parametrize("engine", ENGINES)
-def test_points_outside_are_counted_on_request(engine):
-    points = np.array([[1, 1, 1], [1e5, 0, 0], [2, 1, 1]])
-    with pytest.raises(ValueError, match="must be within"):
-        OccupancyMap(engine=engine).insert_scan(points, [0, 0, 0])
-    occupancy = OccupancyMap(engine=engine, on_outside="count")
-    occupancy.insert_scan(points, [0, 0, 0])
-    assert occupancy.statistics().outside_points == 1
-    occupancy.insert_scans(points[[0, 1, 2, 1]], [1, 3], [[9e4, 0, 0], [0, 0, 0]])
-    assert occupancy.statistics().outside_points == 4
-    assert occupancy.statistics().occupied_voxels == 2
-    with pytest.raises(ValueError, match=r"map\.on_outside = 'lose': must be one of raise, count"):
-        OccupancyMap(on_outside="lose")
-
-
-@pytest.mark.parametrize("engine", ENGINES)
-def test_model_acts_on_later_scans_only(engine):
-    occupancy = OccupancyMap(EDGE_M, engine=engine, hit=0.8)
-    assert occupancy.model == OccupancyModel(hit=0.8)
-    point, origin = [[3.1, 0.1, 0.1]], [0.1, 0.1, 0.1]
-    occupancy.insert_scan(point, origin)
-    occupancy.model = OccupancyModel(hit=0.6, miss=0.3, clamping=(0.2, 0.75))
-    assert occupancy.model.clamping == (0.2, 0.75)
-    assert occupancy.probability_at(point)[0] == pytest.approx(0.8)  # unchanged
-    for _ in range(9):
-        occupancy.insert_scan(point, origin)
-    assert occupancy.probability_at([[1.1, 0.1, 0.1]])[0] == pytest.approx(0.2)
-    with pytest.raises(ValueError, match=r"map\.hit = 0\.2: must be in \[0\.5, 1\)"):
-        occupancy.model = OccupancyModel(hit=0.2)
-    assert occupancy.model.hit == 0.6

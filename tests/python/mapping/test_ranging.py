@@ -9,20 +9,6 @@ from any_text import any_text
 from uwsim.mapping import ranging
 
 
-def rigid(yaw_rad, translation_m):
-    transform = np.eye(4)
-    transform[:2, :2] = [[np.cos(yaw_rad), -np.sin(yaw_rad)], [np.sin(yaw_rad), np.cos(yaw_rad)]]
-    transform[:3, 3] = translation_m
-    return transform
-
-
-def wall_scan(distance_m, model=2):
-    """Return the scan of a plane perpendicular to the sonar's forward axis."""
-    variant = ranging.MODELS[model]
-    angles_rad = variant.angle_min_rad + variant.angle_increment_rad * np.arange(variant.beams)
-    return ranging.to_laser_scan((distance_m / np.cos(angles_rad)).astype(np.float32), model)
-
-
 @given(st.text(alphabet="0123456789.aE+-,n ", max_size=40) | any_text(40))
 def test_any_other_text_raises_a_value_error(text):
     with pytest.raises(ValueError, match="depth_string"):
@@ -66,15 +52,3 @@ def test_float32_is_not_copied_and_other_dtypes_are_refused():
             ranging.to_laser_scan(np.ones(513).astype(dtype))
         with pytest.raises(ValueError, match="dtype"):
             ranging.transform_points(np.ones((2, 3)).astype(dtype), np.eye(4))
-
-
-def test_a_scan_in_the_world_is_the_same_in_one_call_and_step_by_step():
-    scan, box = wall_scan(9.0), ([-1, -3, -1], [20, 3, 1])
-    body, sonar = rigid(2.0, [100, -50, -20]), rigid(2.0, [100, -50, -20]) @ rigid(-0.5, [0.4, 0, -0.2])
-    near_m = ranging.filter_range(ranging.to_point_cloud(scan), scan.range_min, scan.range_max)
-    in_body_m = ranging.transform_points(near_m, ranging.relative_transform(body, sonar))
-    others_m = ranging.remove_box(in_body_m, *box)
-    assert 0 < len(others_m) < len(in_body_m)
-    np.testing.assert_array_equal(ranging.to_world(scan, *box, body, sonar), ranging.transform_points(others_m, body))
-    with pytest.raises(ValueError, match="box_max_m"):
-        ranging.to_world(scan, *reversed(box), body, sonar)

@@ -10,43 +10,6 @@ from uwsim.evidence.validate.flights import START_M, deep_water
 from uwsim.navigation.control import Controller
 from uwsim.scenario import ScenarioError, VehicleModel, control_settings, load_vehicle
 
-PERIOD_S = 1e-3
-
-
-def test_an_integrator_under_pi_control_answers_a_step_as_its_closed_form() -> None:
-    """y' = u, u = K_p e + K_i int e with double pole w: e = (1 - w t) exp(-w t)."""
-    w = 2.0
-    gains = _core.PidGains(proportional=2 * w, integral=w * w)
-    pid, y = _core.Pid(), 0.0
-    for k in range(4000):
-        t = k * PERIOD_S
-        assert 1.0 - y == pytest.approx((1 - w * t) * math.exp(-w * t), abs=3e-3)
-        u = pid.output(1.0 - y, y, gains, PERIOD_S)
-        pid.settle(u, gains, PERIOD_S)
-        y += u * PERIOD_S
-
-
-def test_a_saturated_integral_follows_what_is_possible_with_its_tracking_time() -> None:
-    """dI/dt = K_i e + (u_max - K_p e - I) / T_t: from 0 to its limit as 1 - exp(-t / T_t), in its sampled form."""
-    gains = _core.PidGains(proportional=3.0, integral=4.0, tracking_s=0.5)
-    error, most, period = 2.0, 1.0, 0.05
-    limit = most - 3.0 * error + 0.5 * 4.0 * error
-    pid = _core.Pid()
-    for k in range(100):
-        assert pid.integral == pytest.approx(limit * (1 - (1 - period / 0.5) ** k), abs=1e-12)
-        pid.output(error, 0.0, gains, period)
-        pid.settle(most, gains, period)
-    # Once the error changes sign, the output leaves the limit immediately: there is no wind-up.
-    assert pid.output(-0.01, 0.0, gains, period) < most + 4.0 * error * 0.5
-
-
-def test_the_derivative_of_a_ramp_comes_with_its_filter_time() -> None:
-    gains = _core.PidGains(proportional=0.0, derivative=2.0, filter_s=0.3)
-    pid, period = _core.Pid(), 0.1
-    for k in range(40):
-        got = pid.output(0.0, 5.0 * period * k, gains, period)
-        assert got == pytest.approx(-2.0 * 5.0 * (1 - (0.3 / 0.4) ** k), abs=1e-12)
-
 
 def test_line_of_sight_comes_to_the_path_as_its_law_says() -> None:
     """dy/dt = -U y / sqrt(y^2 + D^2) integrates to r + D ln(y / (D + r)) = const - U t, r = sqrt(y^2 + D^2)."""
@@ -115,45 +78,6 @@ def test_allocated_efforts_give_the_wanted_wrench(heavy: Simulator, wanted: list
     heavy.rov.set_effort(*model.effort(wanted).tolist())
     heavy.advance(3.0)  # 40 time constants of the thrusters
     assert still_wrench(heavy) == pytest.approx(wanted, abs=1e-6)
-
-
-def test_a_wrench_beyond_the_thrusters_keeps_its_torque_and_the_direction_of_its_force(heavy: Simulator) -> None:
-    model = heavy.rov.control.model
-    wanted = np.array([900.0, -500.0, 200.0, 1.0, -2.0, 3.0])
-    got = model.reachable(wanted)
-    assert got[3:] == pytest.approx(wanted[3:])
-    share = got[0] / wanted[0]
-    assert 0.01 < share < 0.5
-    assert got[:3] == pytest.approx(share * wanted[:3])
-    assert model.reachable(got) == pytest.approx(got)
-    assert model.reachable(1.01 * got)[0] < 1.01 * got[0], "it is the largest"
-
-
-@pytest.mark.parametrize("ahead_n", [900.0, -900.0])
-def test_force_across_comes_before_force_along_if_wanted(heavy: Simulator, ahead_n: float) -> None:
-    model = heavy.rov.control.model
-    wanted = np.array([ahead_n, -60.0, 10.0, 0.5, -1.0, 2.0])
-    got = model.reachable(wanted, across_first=True)
-    assert got[1:] == pytest.approx(wanted[1:])
-    assert abs(got[1]) > abs(model.reachable(wanted)[1])
-    assert 0.05 < got[0] / ahead_n < 0.2
-    more = got + 0.01 * ahead_n * np.eye(6)[0]
-    assert model.reachable(more)[1] != pytest.approx(more[1]), "it is the largest"
-    within = np.array([20.0, -10.0, 5.0, 0.0, 0.0, 0.0])
-    assert model.reachable(within, across_first=True) == pytest.approx(within)
-
-
-def test_the_fed_forward_wrench_gives_the_wanted_acceleration(heavy: Simulator) -> None:
-    model, body = load_vehicle("bluerov2_heavy"), heavy.rov.control.model
-    from scipy.spatial.transform import Rotation
-
-    from uwsim.scenario.build.craft import craft
-
-    turned = Rotation.from_euler("zyx", [0.7, -0.2, 0.1])
-    velocity, wanted = np.array([0.8, -0.3, 0.2, 0.1, -0.2, 0.4]), np.array([0.3, -0.1, 0.2, 0.5, -0.4, 0.3])
-    wrench = body.wrench_body(turned.as_matrix(), velocity, wanted)
-    state = _core.BodyState([0, 0, -50.0], turned.as_quat(), velocity)
-    assert craft(model, 1000.0).acceleration_body(state, wrench, _core.Water()) == pytest.approx(wanted, abs=1e-9)
 
 
 def test_a_controller_stays_at_its_place_in_a_steady_current() -> None:
