@@ -1,4 +1,4 @@
-"""A scenario's faults: what fails, when, and for how long. Each kind is one file in `faults`.
+"""A scenario's faults: what fails, when, and for how long. uwsim's own kinds are in `scenario/faults.py`.
 
 Kinds are registered in the entry point group `uwsim.kinds.fault`; docs/inside/extend.md adds one from another package.
 A kind overrides methods of FaultModel. A fault begins and ends between two steps; meanwhile `apply` changes parameters,

@@ -2,7 +2,7 @@
 
 A fault acts through existing simulator parameters, such as a thruster's health or the ballast, overriding the values
 from the scenario and the user; sensor readings are falsified where they are read (`distortion`). What a kind changes
-is in its file, in uwsim.scenario.spec.faults.
+is in uwsim.scenario.faults.
 """
 
 from __future__ import annotations

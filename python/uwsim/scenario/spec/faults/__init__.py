@@ -1,1 +1,0 @@
-"""The kinds of faults, one file each; see uwsim.scenario.spec.fault."""
