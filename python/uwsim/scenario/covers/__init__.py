@@ -1,1 +1,1 @@
-"""The kinds of cover, one file each; see uwsim.scenario.spec.cover."""
+"""The kinds of cover, by family; see uwsim.scenario.spec.cover."""

@@ -1,4 +1,4 @@
-"""The cover `kelp`."""
+"""Covers of plants: kelp and seagrass."""
 
 from __future__ import annotations
 
@@ -52,11 +52,11 @@ def _plant(random: np.random.Generator) -> list[Mesh]:
         length, rise = random.uniform(0.12, 0.22), random.uniform(0.1, 0.6)
         blade = foot + length * (along * out + (rise * along - 0.5 * along**2) * [0, 0, 1])
         blade[:, 2] += 0.008 * np.sin(9 * along[:, 0] + turn)
-        parts += _blade(blade, np.cross(out, [0, 0, 1]), random)
+        parts += _kelp_blade(blade, np.cross(out, [0, 0, 1]), random)
     return parts
 
 
-def _blade(line: Floats, across: Floats, random: np.random.Generator) -> list[Mesh]:
+def _kelp_blade(line: Floats, across: Floats, random: np.random.Generator) -> list[Mesh]:
     """Return the two halves of a blade along a line (n, 3): folded at the rib, with wavy edges, and twisted."""
     along = np.linspace(0, 1, len(line))
     widths = 0.05 * np.interp(along, np.linspace(0, 1, 6), [0.2, 0.9, 1.0, 0.9, 0.6, 0.02])[:, None]
@@ -70,3 +70,34 @@ def _blade(line: Floats, across: Floats, random: np.random.Generator) -> list[Me
         edge = 0.5 * widths * (side * level + wave * over)
         halves.append(ribbon(line + 0.5 * edge, edge, np.ones(len(line))))
     return halves
+
+
+BLADES = 14
+
+
+class Seagrass(CoverModel):
+    """Tufts of long, narrow leaves; they lean in a current, sway in waves, and brake what moves through them.
+
+    size_m: their height.
+    """
+
+    sunk: ClassVar = 0.02
+    drag_coefficient: ClassVar = 1.0
+
+    kind: Literal["seagrass"]
+    name: Name
+    material: MaterialSpec = Material.model_construct(kind="leaf")
+    leans_at_m_s: LeansAt = 0.12  # assumed
+
+    def meshes(self, random: np.random.Generator) -> list[Mesh]:
+        """See CoverModel."""
+        return [unit(merged([_grass_blade(random) for _ in range(BLADES)]), standing=True) for _ in range(5)]
+
+
+def _grass_blade(random: np.random.Generator) -> Mesh:
+    """Return a leaf that bends over towards its tip."""
+    turn, bend, length = random.uniform(0, 2 * np.pi), random.uniform(0.05, 0.6), random.uniform(0.5, 1.0)
+    out = np.array([np.cos(turn), np.sin(turn), 0.0])
+    t = np.linspace(0, 1, 5)[:, None]
+    line = np.append(random.normal(0, 0.06, 2), 0) + length * (bend * t**2 * out + (t - 0.25 * bend * t**2) * [0, 0, 1])
+    return ribbon(line, np.cross(out, [0, 0, 1]), 0.035 * np.array([0.8, 1, 1, 0.8, 0.1]))
