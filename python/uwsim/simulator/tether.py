@@ -13,8 +13,8 @@ from uwsim import _core
 from uwsim.base.arguments import number, read_only
 from uwsim.base.arrays import Floats
 from uwsim.base.short_repr import ShortRepr
-from uwsim.scenario.obstacles.cylinder import Cylinder
-from uwsim.scenario.obstacles.gate import Gate
+from uwsim.scenario.obstacles.gates import Gate
+from uwsim.scenario.obstacles.solids import Cylinder
 from uwsim.scenario.spec.scenario import Scenario
 
 

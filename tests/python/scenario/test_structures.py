@@ -11,8 +11,7 @@ import trimesh
 from uwsim.exercises import load_exercise
 from uwsim.exercises.flight import fly_exercise
 from uwsim.scenario import Scenario, build_terrain, load
-from uwsim.scenario.obstacles.line import Line
-from uwsim.scenario.obstacles.net import Net
+from uwsim.scenario.obstacles.lines import Line, Net
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.read.validated import validated
 from uwsim.simulator.simulator import Simulator

@@ -27,10 +27,7 @@ from uwsim.scenario.build.craft import mass_properties
 from uwsim.scenario.build.earth import gravity_m_s2
 from uwsim.scenario.build.hull import hull_placement, vehicle_hull
 from uwsim.scenario.build.water import surface_density_kg_m3
-from uwsim.scenario.obstacles.box import Box
-from uwsim.scenario.obstacles.cylinder import Cylinder
-from uwsim.scenario.obstacles.mesh import MeshObstacle
-from uwsim.scenario.obstacles.sphere import Sphere
+from uwsim.scenario.obstacles.solids import Box, Cylinder, MeshObstacle, Sphere
 from uwsim.scenario.read.mesh_file import Y_UP_SUFFIXES
 from uwsim.scenario.spec.arm import Link
 from uwsim.scenario.spec.obstacle import LEVEL, ObstacleModel

@@ -19,7 +19,7 @@ from uwsim.figures.style import ACCENT, FAINT_INK, INK, new_figure, save_figure
 from uwsim.scenario.build.hull import hull_placement, vehicle_hull
 from uwsim.scenario.build.solids import obstacle_solid
 from uwsim.scenario.build.terrain import build_terrain
-from uwsim.scenario.obstacles.ring import Ring
+from uwsim.scenario.obstacles.gates import Ring
 from uwsim.scenario.read.mesh_file import load_mesh
 from uwsim.scenario.read.textures import load_texture
 from uwsim.scenario.spec.vehicle import VehicleModel

@@ -11,7 +11,7 @@ from uwsim.batch import Batch
 from uwsim.learning.fan import ALTITUDE, ranges_field, seen_by_fan
 from uwsim.learning.motion import Motion
 from uwsim.learning.task import PACKAGED, Floats, Start, Task, Verdict, spread
-from uwsim.scenario.obstacles.gate import Gate
+from uwsim.scenario.obstacles.gates import Gate
 
 PASSED, MISSED, STRUCK = 10.0, -5.0, -5.0
 EFFORT_COST = 0.01

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from uwsim.batch import Batch
 from uwsim.learning.motion import Motion
 from uwsim.learning.task import PACKAGED, Field, Floats, Start, Task, Verdict, spread
-from uwsim.scenario.obstacles.cylinder import Cylinder
+from uwsim.scenario.obstacles.solids import Cylinder
 
 NEAR_M = 0.8
 REACHED, HOME, TANGLED, STRUCK = 5.0, 10.0, -10.0, -5.0

@@ -1,1 +1,1 @@
-"""The kinds of obstacles, one file each; see uwsim.scenario.spec.obstacle."""
+"""The kinds of obstacles, by family; see uwsim.scenario.spec.obstacle."""
