@@ -16,7 +16,7 @@ from uwsim.exercises import Course, Exercise
 from uwsim.exercises.certified import certified_sheet
 from uwsim.exercises.course import PERIOD_S
 from uwsim.exercises.flyable import flyable
-from uwsim.league.aboard import Aboard, outside_cameras
+from uwsim.league.cockpit import Cockpit, outside_cameras
 from uwsim.league.program import Program, ProgramError
 from uwsim.league.team import Team
 from uwsim.live import LiveSimulator
@@ -61,7 +61,7 @@ def fly_run(run: Run) -> dict[str, Any]:
     with ExitStack() as stack:
         live = stack.enter_context(LiveSimulator(sim, speed="max", paused=True))
         command = live.privileged()(lambda name, arguments: live.command(name, **arguments))
-        course = Course(exercise, sim, command, outsider=Aboard.peer, aids=lambda: {"program"})
+        course = Course(exercise, sim, command, outsider=Cockpit.peer, aids=lambda: {"program"})
         stack.callback(course.detach)
         table = Table(sim)
         for name in sim.rov.cameras:
@@ -70,7 +70,7 @@ def fly_run(run: Run) -> dict[str, Any]:
         recorder = Recorder(live, recording, topics=run.topics, without=hidden, shared=table).start()
         stack.callback(recorder.close)
         live.every(PERIOD_S, lambda sim: None, lambda nothing: course.judge())
-        door = stack.enter_context(Aboard(live, exercise, run.team.pictures_hz))
+        door = stack.enter_context(Cockpit(live, exercise, run.team.pictures_hz))
         program = stack.enter_context(Program(run.team.program, run.folder, run.file(".log"), run.user))
         try:
             _converse(program, door, live, course, run.team.period_s)
@@ -81,7 +81,7 @@ def fly_run(run: Run) -> dict[str, Any]:
     return {"sheet": sheet, "why": why, "run_wall_s": time.perf_counter() - begun_s, "error": None}
 
 
-def _converse(program: Program, door: Aboard, live: LiveSimulator, course: Course, period_s: float) -> None:
+def _converse(program: Program, door: Cockpit, live: LiveSimulator, course: Course, period_s: float) -> None:
     """Let the program and the simulator take turns until the course is over. Raises ProgramError."""
     names = program.receive().get("reads", [])
     door.read_topics(names if isinstance(names, list) else [names])
@@ -101,7 +101,7 @@ def _step(live: LiveSimulator, steps: int) -> None:
         raise ProgramError(f"the simulation stopped: {live.error}")
 
 
-def reasons(sheet: Mapping[str, Any], door: Aboard) -> list[str]:
+def reasons(sheet: Mapping[str, Any], door: Cockpit) -> list[str]:
     """Return why points are missing, as far as the referee has seen it."""
     found = [f"{reason} ({count} times)" for reason, count in door.complaints.items()]
     if not door.commands:

@@ -46,7 +46,7 @@ from uwsim.scenario.fingerprint import build_fingerprint, scenario_fingerprint, 
 from uwsim.scenario.read.errors import Collected
 from uwsim.simulator.arm import sensed
 from uwsim.simulator.docking import Dock
-from uwsim.simulator.failures import Aboard, EventLog, Faults
+from uwsim.simulator.failures import EventLog, Faults, Reactions
 from uwsim.simulator.lockstep import Lockstep
 from uwsim.simulator.logged import Logged
 from uwsim.simulator.loose_body import LooseBody, loose_bodies
@@ -188,14 +188,14 @@ class Simulator(SimulatorProperties):
             apply=lambda: self.parameters.reapply(), network=self._link, has_channels=self._has_channels,
         )  # fmt: skip
         self._parameters = Parameters(self.scenario, self._change, self.journal.note, lamps, self.faults.overlay)
-        self._aboard = Aboard(self.faults)
-        self._aboard.add_failsafes(
+        self._reactions = Reactions(self.faults)
+        self._reactions.add_failsafes(
             self.scenario, vehicles, dock=dock, network=self._link, events=self.events, agenda=self.agenda
         )
         self._estimates = Estimates({name: rov.navigation for name, rov in vehicles.items()})
         self._saved = SavedState(
             self._core,
-            before={"programs": self._aboard, "parameters": self._parameters},  # faults apply on top of parameters
+            before={"programs": self._reactions, "parameters": self._parameters},  # faults apply on top of parameters
             after={
                 "lamps": SavedLamps({name: rov.lamps for name, rov in vehicles.items()}),
                 "cameras": SavedHeads(self._shared_scene.heads),
@@ -314,7 +314,7 @@ class Simulator(SimulatorProperties):
         parameters to their values in the scenario. `version` keeps counting. Raises ValueError, changing nothing.
         """
         scenario = self.scenario.with_changes(seed=seed)
-        self._aboard.restart(scenario)
+        self._reactions.restart(scenario)
         self.parameters.restore({})
         if scenario.seed != self.seed:
             fill_with_water(self._world, scenario)

@@ -17,8 +17,8 @@ from mcap.reader import make_reader
 from command_line import error_line, uwsim
 from uwsim.exercises import load_exercise
 from uwsim.league import load_team, score_team
-from uwsim.league.aboard import Aboard
 from uwsim.league.bag import record_bag
+from uwsim.league.cockpit import Cockpit
 from uwsim.league.new import new_team
 from uwsim.league.program import Program, ProgramError
 from uwsim.league.team import load_course
@@ -214,7 +214,7 @@ def test_a_bad_program_gains_nothing_and_is_told_why(team: Path, tmp_path: Path,
 
 def test_the_true_pose_and_the_world_are_closed(team: Path) -> None:
     exercise = load_course("gate.yaml", team)
-    with LiveSimulator(exercise.made_scenario(), paused=True) as live, Aboard(live, exercise) as door:
+    with LiveSimulator(exercise.made_scenario(), paused=True) as live, Cockpit(live, exercise) as door:
         names = {*door.outputs, *door.services}
         assert not [name for name in names if "truth" in name or "map" in name or "simulation" in name]
         assert {name.split("/")[1] for name in names if name.startswith("camera/")} == {"front"}
@@ -233,7 +233,7 @@ def test_pictures_come_at_the_rate_of_the_camera_or_at_the_teams(tmp_path: Path)
     (tmp_path / "gate.yaml").write_text(GATE.replace("scenario: course", f"scenario: {tmp_path / 'course.yaml'}"))
     exercise = load_course("gate.yaml", tmp_path)
     for pictures_hz, apart_ns in ((None, 200_000_000), (2.0, 500_000_000)):
-        with LiveSimulator(exercise.made_scenario(), paused=True) as live, Aboard(live, exercise, pictures_hz) as door:
+        with LiveSimulator(exercise.made_scenario(), paused=True) as live, Cockpit(live, exercise, pictures_hz) as door:
             door.read_topics(["camera/front/camera_info"])
             with live.privileged():
                 live.step(round(1.5 / live.simulator.step_s))

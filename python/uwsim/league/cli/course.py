@@ -25,7 +25,7 @@ app = typer.Typer(
     **SETTINGS,
 )
 Folder = Annotated[Path, typer.Argument(help="The team's folder.")]
-Course = Annotated[
+CourseOption = Annotated[
     str | None,
     typer.Option(help="The course: a packaged exercise, or a file. Default: the team's.", autocompletion=exercises),
 ]
@@ -72,7 +72,7 @@ def world(
 def bag(
     folder: Folder,
     out: Annotated[Path, typer.Argument(help="The file to write, .mcap.", callback=writable)] = Path("first.mcap"),
-    course: Course = None,
+    course: CourseOption = None,
     seed: Annotated[int, typer.Option(help="Places the props.", callback=within(0, 2**32 - 1))] = 1,
     until: Annotated[float, typer.Option(help="Simulated time to end at [s].", callback=within(1, 1e5, "s"))] = 60.0,
 ) -> None:
@@ -94,7 +94,7 @@ def score(
         Path,
         typer.Option(help="File of seeds: lines of numbers and ranges, such as 1,2,5-20.", callback=readable),
     ],
-    course: Course = None,
+    course: CourseOption = None,
     user: Annotated[
         str | None,
         typer.Option(help="Run the program as this user of the machine, which takes root. Default: the same user."),

@@ -144,7 +144,7 @@ DEBRIS_SUNK = 0.03
 
 
 @dataclass(frozen=True, eq=False)
-class Course:
+class PipeRun:
     """Where a pipeline lies. along_m (n,), axis_m (n, 3): distances along it on the chart, and its axis there."""
 
     along_m: Floats
@@ -168,7 +168,7 @@ class Course:
         return np.asarray(self.middle(at_m) + self.radius_m * (np.cos(angle_rad) * left + np.sin(angle_rad) * up))
 
 
-def pipe_parts(condition: PipeCondition, course: Course, length_m: float) -> list[Part]:
+def pipe_parts(condition: PipeCondition, course: PipeRun, length_m: float) -> list[Part]:
     """Return the parts of a pipeline: its features, then its anodes and joints."""
     features = all_features(condition, length_m)
     parts = [_band(one.kind, one.at_m, course) for one in features if one.kind in ("burial", "span")]
@@ -180,13 +180,13 @@ def pipe_parts(condition: PipeCondition, course: Course, length_m: float) -> lis
     return parts + [_lump(mesh) for mesh in pipe_debris(condition, course, length_m)]
 
 
-def pipe_debris(condition: PipeCondition, course: Course, length_m: float) -> list[Mesh]:
+def pipe_debris(condition: PipeCondition, course: PipeRun, length_m: float) -> list[Mesh]:
     """Return the meshes, in the world, of the debris that lies across the pipe."""
     lying = [one for one in all_features(condition, length_m) if one.kind == "debris"]
     return [_dropped(one, course, [condition.seed, 0x64656272, k]) for k, one in enumerate(lying)]
 
 
-def pipe_leaks(condition: PipeCondition, course: Course, length_m: float) -> list[BubblePlume]:
+def pipe_leaks(condition: PipeCondition, course: PipeRun, length_m: float) -> list[BubblePlume]:
     """Return the plumes of the leaks."""
     leaks = [one for one in all_features(condition, length_m) if one.kind == "leak"]
     return [
@@ -194,7 +194,7 @@ def pipe_leaks(condition: PipeCondition, course: Course, length_m: float) -> lis
     ]
 
 
-def _dropped(one: PipeFeature, course: Course, seed: Sequence[int]) -> Mesh:
+def _dropped(one: PipeFeature, course: PipeRun, seed: Sequence[int]) -> Mesh:
     random = np.random.default_rng(seed)
     kinds = lying_about(random)
     vertices, triangles = kinds[int(random.integers(len(kinds)))]
@@ -212,7 +212,7 @@ def _lump(mesh: Mesh) -> Part:
     return Part("debris", np.array([*0.5 * (low + high)[:2], high[2]]))
 
 
-def _band(kind: str, at_m: float, course: Course) -> Part:
+def _band(kind: str, at_m: float, course: PipeRun) -> Part:
     """Return a part that goes all around the pipe, at its top."""
     above_m = COVER_M if kind == "burial" else 0.0  # where it is buried, its place is on the bed
     return Part(kind, course.surface(at_m, clock_angle(TOP_H)) + np.array([0.0, 0.0, above_m]))

@@ -13,7 +13,7 @@ from pydantic import Field, model_validator
 from uwsim import _core
 from uwsim.scenario.build.pipeline import (
     DEBRIS,
-    Course,
+    PipeRun,
     Rings,
     all_features,
     pipe_debris,
@@ -87,7 +87,7 @@ class Pipeline(OnBed):
         if self.condition is None or self.material.colour is not None:
             return None
         made = self._rings(self.condition)
-        level = Course(made.along_m, np.column_stack([made.along_m, np.zeros((len(made.along_m), 2))]), self.radius_m)
+        level = PipeRun(made.along_m, np.column_stack([made.along_m, np.zeros((len(made.along_m), 2))]), self.radius_m)
         lying = sum(len(triangles) for _, triangles in pipe_debris(self.condition, level, self._length_m))
         return palette_texture(np.vstack([triangle_albedos(made.albedo), np.tile(DEBRIS, (lying, 1))]))
 
@@ -123,13 +123,13 @@ class Pipeline(OnBed):
         buried_m = 2 * self.radius_m * self.buried_fraction
         return pipe_rings(condition, self._length_m, self._corners_m(), self.radius_m, buried_m)
 
-    def _course(self, made: Rings, terrain: Bed) -> Course:
+    def _course(self, made: Rings, terrain: Bed) -> PipeRun:
         """Return where it lies: straight between corners on the chart, and as high above the bed as the rings are."""
         corners, points = self._corners_m(), np.asarray(self.points_m, np.float64)
         xy = np.column_stack([np.interp(made.along_m, corners, points[:, k]) for k in range(2)])
         lies_m = self.radius_m * (1 - 2 * self.buried_fraction)
         axis_m = np.column_stack([xy, bed_below(terrain, xy, self.name) + lies_m + made.lift_m])
-        return Course(made.along_m, axis_m, self.radius_m)
+        return PipeRun(made.along_m, axis_m, self.radius_m)
 
 
 def _densified(points: NDArray[np.float64], step_m: float) -> NDArray[np.float64]:

@@ -1,4 +1,4 @@
-"""Aboard: what a team's program sees of its vehicle, and may command, between two steps."""
+"""Cockpit: what a team's program sees of its vehicle, and may command, between two steps."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def open_channels(table: Table, live: LiveSimulator) -> list[Channel]:
     return [each for each in table.channels if not each.name.startswith(closed) and not each.name.endswith(MAPS)]
 
 
-class Aboard(Bridge):
+class Cockpit(Bridge):
     """The door of a team's program into a paused simulator, whose world is closed to it.
 
     complaints: how often each of its commands was refused, by the reason. commands, messages: how many there were, by

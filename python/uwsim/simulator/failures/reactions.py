@@ -23,8 +23,8 @@ from uwsim.simulator.vehicle import Vehicle
 FAILSAFE_OF = "failsafe of "
 
 
-class AboardState(State):
-    """A saved Aboard: faults, holds, each failsafe as "failsafe of VEHICLE", and the vehicles with all stop set."""
+class ReactionsState(State):
+    """Saved Reactions: faults, holds, each failsafe as "failsafe of VEHICLE", and the vehicles with all stop set."""
 
     model_config = ConfigDict(extra="allow")
     __pydantic_extra__: dict[str, FailsafeState]
@@ -33,10 +33,10 @@ class AboardState(State):
     holds: dict[str, HoldsState]  # keyed by vehicle, for vehicles with active holds
 
 
-class Aboard:
+class Reactions:
     """A simulator's faults, failsafes, holds and all-stop states; they are saved, restored and restarted together."""
 
-    STATE: ClassVar[Any] = AboardState
+    STATE: ClassVar[Any] = ReactionsState
 
     def __init__(self, faults: Faults) -> None:
         self._faults = faults
@@ -94,7 +94,7 @@ class Aboard:
         holds = {name: holds.save() for name, holds in self._holds.items() if holds.has_control or holds.note}
         return {"all_stopped": stopped, "faults": self._faults.save(), "holds": holds, **failsafes}
 
-    def restore(self, state: AboardState) -> None:
+    def restore(self, state: ReactionsState) -> None:
         """Load a state returned by `save`. Raises ValueError if it belongs to other vehicles."""
         failsafes = state.__pydantic_extra__
         require_names("programs", failsafes, (FAILSAFE_OF + name for name in self._failsafes))
