@@ -69,6 +69,13 @@ def page(start_page):
     return page
 
 
+def add(page, section="", kind=""):
+    for label, value in (("What to add", section), ("Kind", kind)):
+        if value:
+            page.get_by_label(label).select_option(value)
+    page.click(".editor-bar >> text=Add")
+
+
 def dragged(page, start, end):
     page.mouse.move(*start)
     page.mouse.down()
@@ -82,8 +89,7 @@ def test_a_new_scene_is_built_saved_and_chosen_on_the_start_screen(start_page, h
     page.click("[data-task=build]")
     page.click("button.new-scene")
     when(page, "document.querySelector('#editor-dialog').open && station.editor.state?.name === 'scene'")
-    page.get_by_label("What to add").select_option("life")
-    page.click(".editor-bar >> text=Add")
+    add(page, "life")
     when(page, SENT.format("school", "position_m[2] === -1"))
     page.get_by_label("Save as").fill("bay")
     page.keyboard.press("Control+s")
@@ -202,8 +208,7 @@ def test_in_3d_the_same_parts_are_moved_turned_added_and_undone_and_a_reload_kee
     when(page, "!(" + SENT.format("box", "yaw_pitch_roll_deg") + ")")
     page.mouse.click(*scene_pixel(page, (-3, -4, -5)))
     when(page, "station.editor.parts.mark")
-    page.get_by_label("Kind").select_option("cylinder")
-    page.click(".editor-bar >> text=Add")
+    add(page, kind="cylinder")
     when(page, SENT.format("cylinder", "position_m"))
     np.testing.assert_allclose(sent(page, "cylinder", "position_m"), [-3, -4, 0], atol=0.2)
     page.locator(".editor-scene").press("PageUp")
@@ -303,8 +308,7 @@ def test_a_loose_body_is_added_moved_and_named_as_an_obstacle_is(page):
 
 def test_with_nothing_chosen_the_chart_pans_and_marks_and_add_lands_where_one_looks(page):
     def added(kind: str) -> list[float]:
-        page.get_by_label("Kind").select_option(kind)
-        page.click(".editor-bar >> text=Add")
+        add(page, kind=kind)
         when(page, SENT.format(kind, "position_m"))
         return sent(page, kind, "position_m")[:2]
 
@@ -369,9 +373,7 @@ def test_a_new_field_of_a_model_is_in_the_form_without_a_line_of_the_page(page, 
 
 
 def test_a_current_on_a_grid_asks_for_its_file(page, here):
-    page.get_by_label("What to add").select_option("currents")
-    page.get_by_label("Kind").select_option("grid")
-    page.click(".editor-bar >> text=Add")
+    add(page, "currents", "grid")
     shows(page, ".editor-message", "file: must be named first")
     cells = [f"{x},{y},{z},0.1,0,0" for x in (-9, 9) for y in (-9, 9) for z in (-5, 0)]
     here.station.sessions.folder.mkdir(exist_ok=True)
@@ -403,8 +405,7 @@ def test_ctrl_z_undoes_a_field_that_was_sent_and_a_text_that_was_not(page):
     page.keyboard.press("Control+z")  # at once: what is not yet sent is the change that is undone
     when(page, "station.editor.state.can_redo && " + SENT.format("box", "position_m[1] === 0"))
     assert sent(page, "box", "size_m[0]") == 2
-    page.get_by_label("Kind").select_option("sphere")
-    page.click(".editor-bar >> text=Add")
+    add(page, kind="sphere")
     when(page, SENT.format("sphere", "radius_m"))
     page.get_by_label("radius_m").fill("0.7")
     page.keyboard.press("Enter")

@@ -3,11 +3,10 @@ import { el, pen } from '../dom.js';
 import { ChartFrame } from '../views/chart_frame.js';
 import { ChartGround } from '../views/chart_ground.js';
 import { drawScale, drawVessel, label } from '../views/chart_marks.js';
-import { STARTS, contains, cornersOf, edgeDistance, isWithin, moved, placeOf, turned, yawOf } from './geometry.js';
+import { STARTS, contains, cornersOf, edgeDistance, isWithin, moved, placeOf, yawOf } from './geometry.js';
 
 const NEAR_PX = 10;
 const CLICK_PX = 4;
-const NOTCH_DEG = 5; // a notch of the wheel; with shift, a degree
 const PARTS_PX_M = 15; // the scale from which parts aboard are shown
 const LABEL_PX = 16; // above a part
 const EDGED = new Set(['survey', 'goals', 'limits']); // sections of which the edge alone is met by the pointer
@@ -18,21 +17,18 @@ const OWN_COLOUR = { survey: ({ ink }) => ink, goals: ({ planned }) => planned, 
 export class EditorChart {
   frame = new ChartFrame();
   #ground = new ChartGround(null, null, 0, []);
-  #fieldsOf;
   /** @type {{ from: number[], corner: number, isPart: boolean, moved: number, start: Record<string, any> } | null} */
   #drag = null;
   #fitted = ''; // the frame as it was fitted, '' for a new bed
   /** @type {[number, number, number][]} */
   #labels = []; // places and half widths of the names
 
-  /** fieldsOf(part): the fields of its kind.
-   * @param {import('./parts.js').EditedParts} parts
+  /** @param {import('./parts.js').EditedParts} parts
    * @param {import('./brush.js').Brush} brush
    */
-  constructor(parts, fieldsOf, brush) {
+  constructor(parts, brush) {
     this.parts = parts;
     this.brush = brush;
-    this.#fieldsOf = fieldsOf;
     parts.addEventListener('change', () => this.draw());
     this.canvas = el('canvas', {
       className: 'editor-canvas',
@@ -86,7 +82,7 @@ export class EditorChart {
   // Bring the selected part into view; one aboard, at a scale at which it can be seen.
   reveal() {
     const part = this.parts.list[this.parts.selected];
-    const place = part && placeOf(part, this.#fieldsOf(part));
+    const place = part && placeOf(part, this.parts.fieldsOf(part));
     if (!place) return;
     const [x, y] = this.frame.at(place);
     const [width, height] = this.frame.size;
@@ -143,7 +139,7 @@ export class EditorChart {
     } else if (drag.moved > CLICK_PX) {
       const by = /** @type {[number, number]} */ ([dx / this.frame.scale, -dy / this.frame.scale]);
       const part = /** @type {any} */ (drag.start);
-      this.parts.change(moved(part, this.#fieldsOf(part), by, drag.corner));
+      this.parts.change(moved(part, this.parts.fieldsOf(part), by, drag.corner));
     }
     this.draw();
   }
@@ -152,12 +148,8 @@ export class EditorChart {
     event.preventDefault();
     const at = [event.offsetX, event.offsetY];
     const { parts } = this;
-    const part = parts.selected >= 0 && this.#partAt(at) === parts.selected ? parts.at(parts.selected) : null;
-    const way = event.deltaY < 0 || event.deltaX < 0 ? 1 : -1; // shift turns the wheel aside
-    if (part) {
-      parts.change(turned(part, this.#fieldsOf(part), way * (event.shiftKey ? 1 : NOTCH_DEG)));
-      parts.done();
-    } else this.frame.zoom(way > 0 ? 1.2 : 1 / 1.2, at);
+    if (parts.selected >= 0 && this.#partAt(at) === parts.selected) parts.turn(event);
+    else this.frame.zoom(event.deltaY < 0 || event.deltaX < 0 ? 1.2 : 1 / 1.2, at);
     this.draw();
   }
 
@@ -175,7 +167,7 @@ export class EditorChart {
       const [x, y] = this.frame.at(corner);
       return Math.hypot(x - at[0], y - at[1]) < NEAR_PX;
     };
-    return cornersOf(part, this.#fieldsOf(part)).findIndex(near);
+    return cornersOf(part, this.parts.fieldsOf(part)).findIndex(near);
   }
 
   // The part at a pixel: first the selected one, then the one whose position is nearest, then one that contains it; of
@@ -185,7 +177,7 @@ export class EditorChart {
     const shown = this.parts.list.map((_, k) => k).filter((k) => this.#isShown(k));
     const away = (k) => {
       const part = this.parts.at(k);
-      const place = placeOf(part, this.#fieldsOf(part));
+      const place = placeOf(part, this.parts.fieldsOf(part));
       if (!place) return Infinity;
       const [x, y] = this.frame.at(place);
       return Math.hypot(x - at[0], y - at[1]);
@@ -205,7 +197,7 @@ export class EditorChart {
   // An obstacle's outline, moved and turned with changes that are not yet sent; of another part, its corners.
   #outline(index) {
     const [old, part] = [this.parts.list[index], this.parts.at(index)];
-    const fields = this.#fieldsOf(part);
+    const fields = this.parts.fieldsOf(part);
     if (!old.outline_m.length) return cornersOf(part, fields);
     if (cornersOf(part, fields).length)
       return index === this.parts.selected && Object.keys(this.parts.changes).length ? [] : old.outline_m;
@@ -249,7 +241,7 @@ export class EditorChart {
 
   #drawPart(c, index) {
     const part = this.parts.at(index);
-    const fields = this.#fieldsOf(part);
+    const fields = this.parts.fieldsOf(part);
     const { colours } = this.#ground;
     const isSelected = index === this.parts.selected;
     const colour = isSelected ? colours.flown : (OWN_COLOUR[part.section]?.(colours) ?? colours.obstacle);

@@ -33,8 +33,6 @@ export class SceneEditor {
   scene = null; // made when it is first shown
   #client = ''; // this page's identity when it opened the scenario
   savedName = ''; // under which it was saved since it was opened
-  /** @type {import('../wire/messages.js').FormSection[]} */
-  sections = [];
   #wanted = signal({ section: '', kind: '', vehicle: 0, values: {} }); // what the person has chosen to add
   wrong = signal({ name: '', text: '' }); // the field that was refused, and why
   #timers = { send: 0, check: 0 };
@@ -51,7 +49,6 @@ export class SceneEditor {
 
   constructor(station) {
     this.station = station;
-    const fieldsOf = (part) => this.fieldsOf(part);
     this.acts = {
       add: () => this.#add(),
       remove: () => this.#remove(),
@@ -67,7 +64,7 @@ export class SceneEditor {
     };
     this.brush = new Brush();
     this.parts = new EditedParts();
-    this.chart = new EditorChart(this.parts, fieldsOf, this.brush);
+    this.chart = new EditorChart(this.parts, this.brush);
     this.meshes = new EditorMeshes(station.bridge, (path) => station.href(`${this.state?.files}/${path}`));
     this.parts.addEventListener('pick', (event) => this.pick(/** @type {CustomEvent} */ (event).detail, true));
     this.parts.addEventListener('painted', (event) => this.#paint(/** @type {CustomEvent} */ (event).detail));
@@ -119,10 +116,10 @@ export class SceneEditor {
   async #open(scenario, onClose) {
     const { bridge } = this.station;
     try {
-      if (!this.sections.length) {
+      if (!this.parts.sections.length) {
         const found = await editForms(bridge);
         if (!found.success) throw new Error(found.message);
-        this.sections = found.sections;
+        this.parts.sections = found.sections;
       }
       const state = await edit(bridge, requestTo(scenario));
       if (!state.success) throw new Error(state.message);
@@ -183,20 +180,9 @@ export class SceneEditor {
     });
   }
 
-  /** The fields of a part's kind.
-   * @returns {import('../wire/messages.js').FormField[]}
-   */
-  fieldsOf({ section, kind }) {
-    return this.sections.find(({ name }) => name === section)?.kinds.find((each) => each.kind === kind)?.fields ?? [];
-  }
-
-  titleOf(section) {
-    return this.sections.find(({ name }) => name === section)?.title ?? section;
-  }
-
   // The sections of which a person can add parts.
   get offered() {
-    return this.sections.filter(({ name }) => name !== 'starts');
+    return this.parts.sections.filter(({ name }) => name !== 'starts');
   }
 
   // What the person has chosen to add, or the first that is offered.
@@ -214,7 +200,7 @@ export class SceneEditor {
 
   // The files that it needs, of which none is packaged.
   get asked() {
-    return this.fieldsOf(this.chosen).filter(({ type, is_required, start }) => {
+    return this.parts.fieldsOf(this.chosen).filter(({ type, is_required, start }) => {
       return type === 'file' && is_required && start === null;
     });
   }
@@ -238,11 +224,7 @@ export class SceneEditor {
 
   // Show the 3D view in place of the chart, or the chart again.
   #turn() {
-    this.scene ??= new EditorScene(
-      this.parts,
-      (part) => this.fieldsOf(part),
-      (path) => this.station.load(path),
-    );
+    this.scene ??= new EditorScene(this.parts, (path) => this.station.load(path));
     const isScene = this.view === this.chart;
     this.ground.replaceChildren(...(isScene ? this.scene.element : [this.chart.canvas]));
     this.#showParts();
@@ -356,14 +338,14 @@ export class SceneEditor {
   // The place of the chosen body, at which a goal is added.
   #placeAbout({ section }) {
     const part = section === 'goals' && ABOUT[this.part?.section ?? ''] ? this.parts.at(this.selected) : null;
-    return part && placeOf(part, this.fieldsOf(part));
+    return part && placeOf(part, this.parts.fieldsOf(part));
   }
 
   // A goal that is added is about the chosen body, if its kind has a field for it.
   #about(chosen) {
     const { part } = this;
     const field = chosen.section === 'goals' && part ? ABOUT[part.section] : undefined;
-    const isOne = this.fieldsOf(chosen).some(({ name }) => name === field);
+    const isOne = this.parts.fieldsOf(chosen).some(({ name }) => name === field);
     return part && field && isOne ? { [field]: part.name } : {};
   }
 

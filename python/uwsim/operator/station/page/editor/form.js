@@ -27,7 +27,7 @@ export function form(editor) {
   const edition = editor.state?.edition;
   return html`
     <div key=${JSON.stringify(part.place)}>
-      <h3>${editor.titleOf(part.section)}: ${part.name}</h3>
+      <h3>${editor.parts.titleOf(part.section)}: ${part.name}</h3>
       ${
         part.is_inherited &&
         html`
@@ -36,7 +36,7 @@ export function form(editor) {
           </p>
         `
       }
-      ${editor.fieldsOf(part).map((field) => fieldset(editor, part, field, (value) => keep(edition, shown(value))))}
+      ${editor.parts.fieldsOf(part).map((field) => fieldset(editor, part, field, (value) => keep(edition, shown(value))))}
     </div>
   `;
 }

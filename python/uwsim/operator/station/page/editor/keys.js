@@ -63,7 +63,7 @@ function actOf({ key, shiftKey, altKey }, editor, acts) {
     return () => editor.pick((from + PICKS[key] + count) % count);
   }
   if (!part) return null;
-  const [shown, fields] = [parts.at(editor.selected), editor.fieldsOf(part)];
+  const [shown, fields] = [parts.at(editor.selected), editor.parts.fieldsOf(part)];
   const step = shiftKey ? STEPS_M.shift : altKey ? STEPS_M.alt : STEPS_M.plain;
   const raise = { PageUp: RAISE, PageDown: -RAISE }[key];
   const values = MOVES[key]

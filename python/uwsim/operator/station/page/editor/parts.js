@@ -1,4 +1,7 @@
 // The parts of the edited scenario, the chosen one, and what is not yet sent. The chart and the 3D view both show it.
+import { turned } from './geometry.js';
+
+const NOTCH_DEG = 5; // a notch of the wheel; with shift, a degree
 
 // Events: 'pick' (detail: a part's index, or -1), 'done'
 // (the change is to be sent), 'painted' (detail: the line of a stroke), 'change' (what is shown has changed).
@@ -10,6 +13,20 @@ export class EditedParts extends EventTarget {
   changes = {}; // of the chosen part
   /** @type {[number, number] | null} */
   mark = null; // the point of the bed at which a part is added
+
+  /** @type {import('../wire/messages.js').FormSection[]} */
+  sections = []; // and their forms
+
+  /** The fields of a part's kind.
+   * @returns {import('../wire/messages.js').FormField[]}
+   */
+  fieldsOf({ section, kind }) {
+    return this.sections.find(({ name }) => name === section)?.kinds.find((each) => each.kind === kind)?.fields ?? [];
+  }
+
+  titleOf(section) {
+    return this.sections.find(({ name }) => name === section)?.title ?? section;
+  }
 
   show(list, selected) {
     [this.list, this.selected] = [list, selected];
@@ -35,6 +52,14 @@ export class EditedParts extends EventTarget {
   change(values) {
     this.changes = { ...this.changes, ...values };
     this.#changed();
+  }
+
+  // Turn the chosen part by a notch of the wheel.
+  turn({ deltaX, deltaY, shiftKey }) {
+    const way = deltaY < 0 || deltaX < 0 ? 1 : -1; // shift turns the wheel aside
+    const part = this.at(this.selected);
+    this.change(turned(part, this.fieldsOf(part), way * (shiftKey ? 1 : NOTCH_DEG)));
+    this.done();
   }
 
   painted(line) {

@@ -4,12 +4,11 @@ import { fixed } from '../dom.js';
 import { firstShare } from '../map3d/sight.js';
 import { Stage } from '../map3d/stage.js';
 import { makeSurface, makeTerrain } from '../map3d/terrain.js';
-import { isWithin, moved, raised, turned } from './geometry.js';
+import { isWithin, moved, raised } from './geometry.js';
 import { PartSolids } from './solids.js';
 
 const NEAR_PX = 12;
 const CLICK_PX = 4;
-const NOTCH_DEG = 5; // a notch of the wheel; with shift, a degree
 const FAR_M = 3000; // of what can be pointed at
 const REVEAL_M = 25; // from the camera to a part that is shown
 const NEAR_M = { props: 8, aboard: 4 }; // the same for a prop and a part aboard
@@ -18,7 +17,6 @@ const VIEW = [-0.5, -0.8, 0.7]; // from where the whole bed is seen
 
 export class EditorScene extends Stage {
   #parts;
-  #fieldsOf;
   #load;
   /** @type {import('./solids.js').PartSolids} */
   #solids;
@@ -29,20 +27,20 @@ export class EditorScene extends Stage {
   /** @type {{ from: number[], at: Vector3 | null, corner: number, index: number, moved: number, start: any } | null} */
   #drag = null;
 
-  /** load(path): fetches from the server. fieldsOf(part): the fields of its kind.
+  /** load(path): fetches from the server.
    * @param {import('./parts.js').EditedParts} parts
    */
-  constructor(parts, fieldsOf, load) {
+  constructor(parts, load) {
     super(
       'The scenario in 3D: drag a part to move it, with Shift to raise it, turn the wheel on it to turn it, click the bed to choose where to add',
     );
-    [this.#parts, this.#fieldsOf, this.#load] = [parts, fieldsOf, load];
+    [this.#parts, this.#load] = [parts, load];
     this.canvas.className = 'editor-scene';
     this.canvas.setAttribute('role', 'application');
     this.element = [this.canvas, this.note];
     if (!this.scene) return;
     this.controls.stopListenToKeyEvents?.(); // the arrow keys move parts
-    this.#solids = new PartSolids(parts, fieldsOf, () => this.redraw());
+    this.#solids = new PartSolids(parts, () => this.redraw());
     this.show(this.#solids.group);
     parts.addEventListener('change', () => this.#solids.show());
     this.#listen();
@@ -168,7 +166,7 @@ export class EditorScene extends Stage {
     const [dx, dy] = [offsetX - drag.from[0], offsetY - drag.from[1]];
     drag.moved = Math.max(drag.moved, Math.hypot(dx, dy));
     if (drag.index < 0 || drag.moved <= CLICK_PX) return;
-    const fields = this.#fieldsOf(drag.start);
+    const fields = this.#parts.fieldsOf(drag.start);
     if (shiftKey) {
       this.#parts.change(raised(drag.start, fields, -dy * this.#metresPerPixel(drag.at)));
       return;
@@ -196,10 +194,7 @@ export class EditorScene extends Stage {
     if (selected < 0 || this.#hit([event.offsetX, event.offsetY]).index !== selected) return;
     event.preventDefault();
     event.stopImmediatePropagation();
-    const way = event.deltaY < 0 || event.deltaX < 0 ? 1 : -1; // shift turns the wheel aside
-    const part = this.#parts.at(selected);
-    this.#parts.change(turned(part, this.#fieldsOf(part), way * (event.shiftKey ? 1 : NOTCH_DEG)));
-    this.#parts.done();
+    this.#parts.turn(event);
   }
 
   // What lies under a pixel: the index of a part (or -1), the number of its corner (or -1), and the point that is met.

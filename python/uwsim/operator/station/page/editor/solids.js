@@ -30,7 +30,6 @@ const keyOf = ({ values }) => JSON.stringify(values);
 export class PartSolids {
   group = new Group();
   #parts;
-  #fieldsOf;
   #redraw;
   /** @type {(Solid | undefined)[]} */
   #solids = []; // by the indices of their parts
@@ -53,8 +52,8 @@ export class PartSolids {
   #cross = makeCross();
 
   /** @param {import('./parts.js').EditedParts} parts */
-  constructor(parts, fieldsOf, redraw) {
-    [this.#parts, this.#fieldsOf, this.#redraw] = [parts, fieldsOf, redraw];
+  constructor(parts, redraw) {
+    [this.#parts, this.#redraw] = [parts, redraw];
     this.group.add(this.#drawn);
   }
 
@@ -110,7 +109,7 @@ export class PartSolids {
   // The place of a part, its height included; null if it has none.
   placeOf(index) {
     const part = this.#parts.at(index);
-    const place = part && placeOf(part, this.#fieldsOf(part));
+    const place = part && placeOf(part, this.#parts.fieldsOf(part));
     return place ? new Vector3(place[0], place[1], this.#heightOf(part, place)) : null;
   }
 
@@ -125,19 +124,19 @@ export class PartSolids {
     const part = this.#parts.list[index] && this.#parts.at(index);
     if (!part) return [];
     const rows = this.#rowsOf(part);
-    return cornersOf(part, this.#fieldsOf(part)).map(
+    return cornersOf(part, this.#parts.fieldsOf(part)).map(
       ([x, y], k) => new Vector3(x, y, rows[k]?.[2] ?? (part.section === 'survey' ? 0 : this.bedAt([x, y]))),
     );
   }
 
   #rowsOf(part) {
-    const line = this.#fieldsOf(part).find(({ role }) => role === 'line');
+    const line = this.#parts.fieldsOf(part).find(({ role }) => role === 'line');
     const isInWorld = line?.columns[2] === 'z';
     return isInWorld ? (part.values[line.name] ?? []) : [];
   }
 
   #heightOf(part, place) {
-    const field = this.#fieldsOf(part).find(({ role }) => role === 'place');
+    const field = this.#parts.fieldsOf(part).find(({ role }) => role === 'place');
     const own = field && (part.values[field.name] ?? field.by_default);
     const z = Array.isArray(own) && own.length > 2 ? own[2] : NaN;
     const isOnBed = part.values.on_bed ?? part.values['shape.on_bed'];
@@ -164,7 +163,7 @@ export class PartSolids {
   // Show a solid, moved and turned with the changes that are not yet sent.
   #showSolid(node, index, isChosen) {
     const [old, part] = [this.#parts.list[index], this.#parts.at(index)];
-    const fields = this.#fieldsOf(part);
+    const fields = this.#parts.fieldsOf(part);
     const [from, to] = [placeOf(old, fields), placeOf(part, fields)];
     const turn = ((yawOf(part, fields) ?? 0) - (yawOf(old, fields) ?? 0)) * RAD;
     node.rotation.z = turn;
@@ -201,7 +200,7 @@ export class PartSolids {
       this.#cone,
       isChosen ? this.#materials.chosen : this.#materials[isStart ? 'vessel' : 'plain'],
     );
-    cone.rotation.z = (yawOf(part, this.#fieldsOf(part)) ?? 0) * RAD;
+    cone.rotation.z = (yawOf(part, this.#parts.fieldsOf(part)) ?? 0) * RAD;
     cone.userData.isAboard = part.vehicle !== null && !isStart && !isChosen;
     cone.userData.isStart = isStart;
     this.#add(cone, place.toArray(), index);

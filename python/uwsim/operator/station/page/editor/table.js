@@ -11,7 +11,7 @@ export function table(editor) {
   const row = (part, k) => html`
     ${
       part.section !== parts.list[k - 1]?.section &&
-      html`<tr class="editor-section"><th colspan="3" scope="rowgroup">${editor.titleOf(part.section)}</th></tr>`
+      html`<tr class="editor-section"><th colspan="3" scope="rowgroup">${editor.parts.titleOf(part.section)}</th></tr>`
     }
     <tr class=${k === selected ? 'is-selected' : ''}>
       <td>
@@ -19,7 +19,7 @@ export function table(editor) {
           ref=${k === selected ? reveal : null} onClick=${() => editor.pick(k)}>${part.name}</button>
       </td>
       <td class=${part.is_inherited ? 'is-inherited' : ''}>${part.is_inherited ? 'default' : part.kind}</td>
-      <td>${(placeOf(part, editor.fieldsOf(part)) ?? []).map((value) => fixed(value, 1)).join(', ')}</td>
+      <td>${(placeOf(part, editor.parts.fieldsOf(part)) ?? []).map((value) => fixed(value, 1)).join(', ')}</td>
     </tr>
   `;
   return html`
