@@ -1,11 +1,13 @@
-"""Options: one dataclass is flags, help, rules and the error for an option without effect."""
+"""Options: one dataclass is flags, help, rules and the error for an option without effect; and values in words."""
 
+import math
 import re
 from dataclasses import dataclass
 
 import pytest
 
 from uwsim.base.options import Flag, OptionError, Options, WithoutEffectError, option
+from uwsim.base.texts.value_words import details, with_details, words
 
 
 @dataclass(frozen=True)
@@ -47,3 +49,23 @@ def test_an_option_without_its_switch_is_refused() -> None:
         Rig(rig_count=0)
     with pytest.raises(WithoutEffectError, match="--rig-part: needs --rig"):
         Rig(rig_part=("arm",))
+
+
+@pytest.mark.parametrize(
+    ("values", "said"),
+    [
+        ({"kind": "current", "name": "current", "velocity_world_m_s": [0.1, 0, 0], "for_s": 5.0},
+         "kind current, velocity (0.1, 0, 0) m/s, for 5 s"),
+        ({"elevation_rad": -math.pi / 6, "sonar": None}, "elevation -30 deg"),
+        ({"lamp": "front", "on": False}, "lamp front, off"),
+        ({"changes": {"rov.mass_kg": 3, "hull": {"on": True}}}, "changes rov.mass 3 kg, hull on"),
+        ({"payload": b"1", "topic": ""}, ""),
+    ],
+)  # fmt: skip
+def test_no_unit_is_part_of_a_name_and_no_value_is_json(values, said):
+    assert ", ".join(map(str, details(values))) == said
+
+
+def test_a_value_that_changed_is_given_first_and_last():
+    found = details({"elevation_rad": 0.0, "on": True}, {"elevation_rad": math.pi / 2, "on": True})
+    assert with_details(words("set_lamp"), found) == "set lamp: elevation 0 to 90 deg, on"

@@ -1,17 +1,22 @@
-"""Own files: nothing deletes or replaces a file that uwsim did not write, whatever its name."""
+"""Files of our own: written atomically or not at all, behind a lock, and nothing that others wrote is overwritten."""
 
 import errno
 import os
 import re
 import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import uwsim
+from command_line import error_line
+from command_line import uwsim as command_line
 from file_writes import LAWFUL, lawless_writers
 from uwsim.base.atomic_file import write_atomically
+from uwsim.base.folder_lock import LOCK, alone_in
 from uwsim.base.own_files import LIST, is_own, mark, remove_own
 from uwsim.mapping import OccupancyMap
 
@@ -108,3 +113,70 @@ def test_an_empty_file_loses_nothing_and_a_copy_is_not_ours(tmp_path: Path):
     copy.write_bytes(b"ours")
     assert is_own(path) and not is_own(copy)
     mark(tmp_path / "nowhere")  # is no error
+
+
+def test_a_file_that_cannot_be_written_leaves_the_old_one_and_no_other(tmp_path):
+    target = tmp_path / "report.html"
+    target.mkdir()
+    with pytest.raises(OSError, match=rf"^'{re.escape(str(target))}': cannot be written: Is a directory$"):
+        write_atomically(target, b"new")
+    assert list(tmp_path.iterdir()) == [target]
+    nowhere = tmp_path / "nowhere" / "report.html"
+    with pytest.raises(OSError, match=rf"^'{re.escape(str(nowhere))}': cannot be written: No such file or directory$"):
+        write_atomically(nowhere, b"new")
+
+
+@pytest.mark.parametrize("umask, mode", [(0o077, 0o600), (0o002, 0o664)])
+def test_written_files_obey_the_umask(umask, mode, tmp_path):
+    before = os.umask(umask)
+    write_atomically(tmp_path / "a", b"")
+    os.umask(before)
+    assert (tmp_path / "a").stat().st_mode & 0o777 == mode
+
+
+def test_an_error_on_a_full_disk_names_the_target(tmp_path, monkeypatch):
+    def full(_descriptor):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(os, "fsync", full)
+    target = tmp_path / "report.html"
+    target.write_bytes(b"old")
+    mark(target)
+    with pytest.raises(OSError, match=rf"^'{re.escape(str(target))}': cannot be written: No space left on device$"):
+        write_atomically(target, b"new")
+    assert list(tmp_path.iterdir()) == [target]
+    assert target.read_bytes() == b"old"
+
+
+HOLD = (
+    "import sys, pathlib, time; from uwsim.base.folder_lock import alone_in\nwith alone_in(pathlib.Path(sys.argv[1])): "
+)
+SWEEP = "scenario: pool\nvary: {survey.altitude_m: {choices: [1.5]}}\n"
+
+
+def test_a_second_run_into_one_folder_is_refused(tmp_path: Path) -> None:
+    mission, sweep, out = tmp_path / "mission.py", tmp_path / "sweep.yaml", tmp_path / "out"
+    mission.write_text("def mission(vehicle):\n    yield from ()\n")
+    sweep.write_text(SWEEP)
+    out.mkdir()
+    for command in ("survey pool", f"run {mission} --scenario pool", f"sweep {sweep}", "fleet lake --tile 50"):
+        with alone_in(out):
+            message = error_line(command_line(*command.split(), "--out", str(out)))
+            assert {path.name for path in out.iterdir()} == {LOCK}, "nothing is written"
+        assert f"{out}" in message and "another run is using it (process " in message
+        assert not list(out.iterdir())
+    with alone_in(out):
+        out.rename(tmp_path / "gone")  # is no error
+
+
+def test_the_lock_of_a_killed_process_does_not_hinder(tmp_path: Path) -> None:
+    words = [sys.executable, "-c", HOLD + "print('held', flush=True); time.sleep(1000)", str(tmp_path)]
+    with subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as holder:
+        assert holder.stdout is not None and holder.stdout.readline()
+        with pytest.raises(OSError, match="another run is using it"), alone_in(tmp_path):
+            pass
+        holder.kill()
+    assert (tmp_path / LOCK).exists()
+    with alone_in(tmp_path):
+        pass
+    assert not (tmp_path / LOCK).exists()

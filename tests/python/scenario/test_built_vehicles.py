@@ -1,17 +1,18 @@
-"""A vehicle's file that builds on another: its values, parts by name, files, and mistakes."""
+"""A vehicle's file that builds on another, and the intervals that packaged ones state for their kind."""
 
+import re
 from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.stats import t as student
 
 import uwsim
 from uwsim.flight.terminal import Silent
-from uwsim.scenario import ScenarioError, load
+from uwsim.scenario import ScenarioError, load, load_vehicle
 from uwsim.scenario.dump import write_model
 from uwsim.scenario.fingerprint import scenario_fingerprint
-from uwsim.scenario.read.assets import find_yaml
-from uwsim.scenario.spec.vehicle import load_vehicle
+from uwsim.scenario.read.assets import assets_folder, find_yaml
 
 
 def written(folder: Path, name: str, text: str) -> Path:
@@ -91,3 +92,15 @@ def test_the_outfit_of_a_bluerov2_sees_and_maps(tmp_path: Path) -> None:
     flown = uwsim.run_survey("pool", tmp_path, vehicle_model="bluerov2_heavy_outfit", report="json", screen=Silent())
     assert flown.coverage is not None and flown.coverage > 0.96  # the packaged ROV has 0.978
     assert flown.collisions == 0
+
+
+def test_the_interval_of_slocums_drag_is_that_of_all_whose_flights_are_known() -> None:
+    """The next of a kind of which n are known, by Student's t: the two of 2014, and those of 2008 and 2021."""
+    fitted = load_vehicle("slocum").quadratic_damping[0]
+    drags = np.log(fitted / np.array([1.0, 1.0, 1.46, 1.53]))
+    reach = student.ppf(0.975, len(drags) - 1) * drags.std(ddof=1) * np.sqrt(1.0 + 1.0 / len(drags))
+    text = (assets_folder() / "vehicles/slocum.yaml").read_text()
+    found = re.search(r"{low: ([0-9.]+), high: ([0-9.]+), scale: lognormal}", text)
+    assert found is not None
+    ends = np.exp([drags.mean() - reach, drags.mean() + reach])
+    assert [float(end) for end in found.groups()] == pytest.approx(ends, rel=0.01)

@@ -1,10 +1,13 @@
 """Faults, random or injected, occur when and as specified, and act through the physics."""
 
 import math
+import re
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from sites import deep_lake
 from sites import deep_lake as lake
 from uwsim import Simulator
 from uwsim.channels import Table, channels
@@ -12,6 +15,7 @@ from uwsim.channels.ros.messages import default_message
 from uwsim.link import seen_channels
 from uwsim.live import LiveSimulator
 from uwsim.scenario.read.errors import ScenarioError
+from uwsim.scenario.spec.fault import FAULTS
 
 G = 9.80665
 
@@ -341,3 +345,27 @@ def test_a_refused_injection_changes_nothing():
         sim.faults.end("sensor")
     assert sim.faults.active == ()
     assert len(sim.events) == 0
+
+
+LEAST = {
+    "sensor": {"sensor": "depth"}, "sonar": {}, "camera": {"camera": "front"}, "battery": {"thrust": 0.5},
+    "leak": {"kg_per_s": 0.05}, "link": {}, "current": {"velocity_world_m_s": (0.0, 0.2, 0.0)},
+}  # fmt: skip
+
+
+def test_each_kind_can_be_injected():
+    assert {*LEAST, "thruster", "tether"} == set(FAULTS.models())
+    for model, thruster in (("rov", {"axis": "yaw"}), ("bluerov2_heavy", {"thruster": "front_left"})):
+        sim = Simulator(deep_lake(model=model))
+        offered = {"thruster": thruster, **LEAST}
+        if not sim.scenario.vehicles[0].model.cameras:
+            del offered["camera"]
+        for kind, given in offered.items():
+            sim.faults.inject(kind, **given)
+        assert sim.faults.active == tuple(offered)
+
+
+def test_the_guide_lists_each_kind():
+    guide = (Path(__file__).parents[3] / "docs/guides/faults.md").read_text()
+    table = guide.partition("| kind |")[2].partition("\n\n")[0]
+    assert re.findall(r"^\| `(\w+)`", table, re.MULTILINE) == list(FAULTS.models())
