@@ -148,3 +148,18 @@ def test_the_inspector_finds_changes_and_resets_parameters(here, page):
     when(page, f"document.querySelector('[aria-label=\"{name}, N s/m\"]').value === '50'")
     here.station.present().live.command("reset_parameters", name=name).result()
     page.click("#inspect")
+
+
+def test_a_message_draws_again_what_shows_it_and_nothing_around_it(page):
+    drawn = page.evaluate("""async () => {
+      const { panel, recorder, telemetry } = station;
+      const shown = [panel.alarms, panel.arm, panel.exercise, panel.inspection, panel.link, panel.tether, recorder];
+      const times = shown.map(() => 0);
+      for (const [k, { constructor }] of shown.entries())
+        shown[k].view = (...given) => (times[k] += 1, constructor.prototype.view.apply(shown[k], given));
+      telemetry.dispatchEvent(new Event('change'));
+      for (let k = 0; k < 10; k += 1) await null; // it is drawn before the next message
+      for (const each of shown) delete each.view;
+      return times;
+    }""")
+    assert drawn == [1, 1, 0, 0, 0, 0, 0]  # the recorder's buttons are in the bar

@@ -27,8 +27,6 @@ from uwsim.operator.teleop.readout import Readout
 from uwsim.simulator.simulator import Simulator
 from waiting import until
 
-UWSIM = Path(sys.executable).with_name("uwsim")
-PATIENCE_S = 180.0
 PUBLISHED = {"w": "surge", "s": "-surge", "d": "-sway", "a": "sway", " ": "heave", "b": "-heave", "i": "pitch",
              "k": "-pitch", "l": "roll", "j": "-roll", "e": "-yaw", "q": "yaw"}  # fmt: skip
 """key_publisher.py of the published simulator; its wire's sway and yaw are positive to starboard, here to port."""
@@ -109,14 +107,11 @@ def test_no_escape_sequence_is_taken_for_a_key_nor_swallows_one():
 def test_the_numbers_and_the_link_are_read():
     readout = Readout()
     message = default_message("uwsim_msgs/msg/Telemetry")
-    for orientation, expected in (
-        ((0.0, 0.0, 0.0, 1.0), "hdg  90°  depth  5.0 m  alt beyond m  bat 100%"),
-        ((math.nan,) * 4, "hdg ---°  depth  5.0 m  alt beyond m  bat 100%"),
-    ):
-        message.orientation, message.depth = orientation, 5.0
-        message.distance_to_seabed, message.battery = math.inf, 99.5
+    message.depth, message.distance_to_seabed, message.battery = 5.0, math.inf, 99.5
+    for orientation, heading in (((0.0, 0.0, 0.0, 1.0), " 90"), ((math.nan,) * 4, "---")):
+        message.orientation = orientation
         readout.read_telemetry(message)
-        assert readout.numbers == expected
+        assert readout.numbers == f"hdg {heading}°  depth  5.0 m  alt beyond m  bat 100%"
     message = default_message("uwsim_msgs/msg/Link")
     for modem, loss, delay_s, expected in (
         ("none", 1.0, 0.0, ("", "LINK DOWN")),
@@ -168,8 +163,7 @@ def test_a_servers_text_has_no_power_over_the_terminal(hands):
     screen.connection.readout.warnings = ("BAD\x1b]0;title\x07",)
     screen.report("also\x9b2J\x1b[2J")
     text = screen.text(200)
-    assert "BAD" in text and "also" in text
-    assert not any(each in text for each in ("\x1b[2J", "\x1b]", "\x07", "\x9b"))
+    assert "BAD" in text and "also" in text and not any(each in text for each in ("\x1b[2J", "\x1b]", "\x07", "\x9b"))
 
 
 @pytest.fixture
@@ -249,22 +243,19 @@ def test_a_terminal_that_ends_stops_the_vehicle(live, server):
     for number, code in ((signal.SIGTERM, 130), (signal.SIGHUP, 130), (None, 0)):  # None: Ctrl-Q
         master, slave = pty.openpty()
         process = subprocess.Popen(
-            [UWSIM, "teleop", server.url], stdin=slave, stdout=slave, stderr=slave, start_new_session=True,
-            env=os.environ | {"TERM": "xterm-256color"},
+            [Path(sys.executable).with_name("uwsim"), "teleop", server.url], stdin=slave, stdout=slave, stderr=slave,
+            start_new_session=True, env=os.environ | {"TERM": "xterm-256color"},
         )  # fmt: skip
         os.close(slave)
         try:
-            deadline = time.monotonic() + PATIENCE_S
-            while live.rov.effort[0] != 0.5:
-                assert time.monotonic() < deadline
-                os.write(master, b"w")
-                time.sleep(0.1)  # its output is not read, so the terminal blocks
+            # its output is not read, so the terminal blocks
+            until(lambda at=master: (os.write(at, b"w"), time.sleep(0.1)) and live.rov.effort[0] == 0.5)
             os.write(master, b"\x11") if number is None else process.send_signal(number)
             with suppress(OSError):  # until it has ended
                 while number is None and os.read(master, 4096):
                     pass
             until(lambda: not live.rov.effort.any())
-            assert process.wait(PATIENCE_S) == code
+            assert process.wait(180.0) == code
         finally:
             process.kill()
             process.wait()

@@ -216,7 +216,7 @@ function watch({ name, telemetry: topic, map_changes: map, scan }) {
   ];
 }
 
-const listen = (topic, type, take, options) => subscribed(station.bridge, topic, type, take, options);
+const listen = subscribed.bind(null, station.bridge);
 const load = (path) => station.load(path);
 
 function act(action, isPressed) {

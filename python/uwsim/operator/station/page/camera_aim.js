@@ -21,10 +21,10 @@ export class CameraAim {
   constructor(station, views) {
     this.station = station;
     this.views = views;
-    this.element = el('div', { className: 'aim', role: 'group', 'aria-label': 'Turn the camera' });
-    for (const [action, [, , sign, name]] of Object.entries(TURNS))
-      this.element.append(this.#button(action, sign, name));
-    this.element.append(
+    this.element = el(
+      'div',
+      { className: 'aim', role: 'group', 'aria-label': 'Turn the camera' },
+      ...Object.keys(TURNS).map((action) => this.#button(action)),
       el('button', { type: 'button', 'aria-label': 'Camera straight', onclick: () => this.centre() }, '●'),
     );
     views.addEventListener('swap', () => this.#show());
@@ -83,14 +83,13 @@ export class CameraAim {
     attempt(this.station.command('aim_camera', this.#vehicle.name, { camera, pan_rad: pan, tilt_rad: tilt }));
   }
 
-  #button(action, sign, name) {
-    const button = el('button', { type: 'button', 'aria-label': `Camera ${name}` }, sign);
-    button.addEventListener('pointerdown', () => this.act(action, true));
-    for (const kind of ['pointerup', 'pointerleave', 'pointercancel']) button.addEventListener(kind, () => this.stop());
-    button.addEventListener('click', (event) => {
-      if (event.detail === 0) this.#turn(...TURNS[action]); // by keyboard
-    });
-    return button;
+  #button(action) {
+    const [axis, turn, sign, name] = TURNS[action];
+    const end = () => this.stop();
+    const onpointerdown = () => this.act(action, true);
+    const onclick = ({ detail }) => detail === 0 && this.#turn(axis, turn); // by keyboard
+    const acts = { onpointerdown, onpointerup: end, onpointerleave: end, onpointercancel: end, onclick };
+    return el('button', { type: 'button', 'aria-label': `Camera ${name}`, ...acts }, sign);
   }
 
   #show() {

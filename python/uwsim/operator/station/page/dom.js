@@ -43,19 +43,35 @@ export function el(tag, attributes = {}, ...children) {
   return element;
 }
 
-/** Draw a view in an element: at once, at events of targets, and when a signal changes that it reads. Return a function
- * that draws it again.
- * @param {Element} root
- * @param {() => any} view
- * @param {[EventTarget, ...string[]][]} followed
+/** Targets with those of their events that are followed. @typedef {[EventTarget, ...string[]][]} Followed */
+
+/** A signal of what a function returns, which is called again at events.
+ * @type {<T>(read: () => T, ...followed: Followed) => { value: T }}
+ */
+export function watched(read, ...followed) {
+  const found = signal(read());
+  const again = () => void (found.value = read());
+  for (const [target, ...events] of followed) for (const event of events) target.addEventListener(event, again);
+  return found;
+}
+
+/** A component of a view. It is drawn again at events, and when a signal that it reads or one of its properties changes,
+ * not with what is around it.
+ * @type {(view: (props?: any) => any, ...followed: Followed) => any}
+ */
+export function part(view, ...followed) {
+  let times = 0;
+  const drawn = watched(() => (times += 1), ...followed);
+  return Object.assign((props) => (drawn.value, view(props)), { again: () => void (drawn.value = times += 1) });
+}
+
+/** Draw a view in an element, as a part. Return a function that draws it again.
+ * @type {(root: Element, view: () => any, ...followed: Followed) => () => void}
  */
 export function draw(root, view, ...followed) {
-  const count = signal(0);
-  const again = () => void (count.value += 1);
-  for (const [target, ...events] of followed) for (const event of events) target.addEventListener(event, again);
-  const Drawn = () => (count.value, view());
-  render(html`<${Drawn} />`, root);
-  return again;
+  const drawn = part(view, ...followed);
+  render(html`<${drawn} />`, root);
+  return drawn.again;
 }
 
 /** The canvas's context for drawing.

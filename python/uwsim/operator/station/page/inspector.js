@@ -69,12 +69,8 @@ export class Inspector {
   async #read() {
     const { station } = this;
     const [names, { session }] = [await station.parameterNames(), station.description];
-    const known = this.#values.value;
-    if (
-      session !== this.#session ||
-      names.length !== Object.keys(known).length ||
-      names.some((name) => !(name in known))
-    ) {
+    const isKnown = names.toSorted().join() === Object.keys(this.#values.value).toSorted().join();
+    if (session !== this.#session || !isKnown) {
       const [described, values] = [await station.describeParameters(names), await station.parameterValues(names)];
       [this.#topics.value, this.#values.value, this.#session] = [this.#sorted(described), values, session];
     } else this.#values.value = await station.parameterValues(names);
@@ -104,11 +100,8 @@ export class Inspector {
   }
 
   #view() {
-    const [topics, { words, owner, isChanged }, mayNot] = [
-      this.#topics.value,
-      this.#wanted.value,
-      !this.#isPilot.value,
-    ];
+    const [topics, mayNot] = [this.#topics.value, !this.#isPilot.value];
+    const { words, owner, isChanged } = this.#wanted.value;
     const all = topics.flatMap(({ parameters }) => parameters);
     const changed = all.filter(this.#isChanged).length;
     const matches = (parameter) =>

@@ -28,11 +28,7 @@ const FIELDS = {
   vehicle: { title: 'Vehicle' },
   sonar: { title: 'Sonar' },
   tilt_deg: { title: 'Sonar head at the start' },
-  mission_time_s: {
-    title: 'Mission time',
-    unit: 's',
-    hint: 'This is also how long the battery lasts.',
-  },
+  mission_time_s: { title: 'Mission time', unit: 's', hint: 'This is also how long the battery lasts.' },
   seed: { title: 'Seed', hint: 'The same seed and the same controls give the same run.' },
   speed: { title: 'Speed' },
   link: { title: 'Link to the vehicle' },
@@ -41,16 +37,20 @@ const FIELDS = {
     placeholder: 'none: fly without ROS',
     hint: 'The simulator joins this rosbridge_server, as with uwsim ros connect, so that your nodes can fly it.',
   },
-  rosbridge_port: {
-    title: 'Port',
-    hint: 'If empty: 9090, the default of rosbridge_server.',
-  },
+  rosbridge_port: { title: 'Port', hint: 'If empty: 9090, the default of rosbridge_server.' },
   host: { title: 'Host', placeholder: '127.0.0.1', hint: 'A uwsim server, such as uwsim serve lake --station.' },
   port: { title: 'Port' },
 };
 
+const tiltText = (tilt_deg) => (tilt_deg ? `${tilt_deg}° down` : 'Level');
+
 // An entry of the catalog as a choice.
-const choice = ({ name, title = name, description }) => ({ value: name, text: title, hint: description });
+const choice = ({ name, title = name, description, group = '' }) => ({
+  value: name,
+  text: title,
+  hint: description,
+  group: GROUPS[group],
+});
 
 const set = (title, isHidden, ...contents) => html`
   <fieldset hidden=${isHidden}><legend>${title}</legend>${contents}</fieldset>
@@ -136,13 +136,7 @@ export class StartScreen {
     const { scenarios, vehicles, sonars, tilts_deg, links, speeds, saves = [] } = this.#catalog.value;
     const isSurvey = this.#task.value === 'survey';
     const scenes = [
-      ...scenarios.map(({ name, description, group, has_survey }) => ({
-        value: name,
-        text: name,
-        hint: description,
-        group: GROUPS[group],
-        isOff: isSurvey && !has_survey,
-      })),
+      ...scenarios.map((each) => Object.assign(choice(each), { isOff: isSurvey && !each.has_survey })),
       ...saves.map((name) => ({
         value: SAVED + name,
         text: `Continue “${name}”`,
@@ -152,11 +146,7 @@ export class StartScreen {
       })),
     ];
     const own = { value: '', text: OWN };
-    const tilts = tilts_deg.map((value) => ({
-      value,
-      text: value ? `${value}° down` : 'Level',
-      hint: value ? DOWN : LEVEL,
-    }));
+    const tilts = tilts_deg.map((value) => ({ value, text: tiltText(value), hint: value ? DOWN : LEVEL }));
     return {
       scenario: Object.values(GROUPS).flatMap((group) => scenes.filter((each) => each.group === group)),
       vehicle: [own, ...vehicles.map(choice)],
@@ -252,7 +242,7 @@ export class StartScreen {
       if (name === 'vehicle' && vehicles.length)
         return vehicles.map(({ name: own, model }) => (own === model ? own : `${own}: ${model}`)).join(', ');
       if (name === 'sonar') return this.#sonarText(sonar);
-      if (name === 'tilt_deg') return tilt === null ? '' : tilt ? `${tilt}° down` : 'Level';
+      if (name === 'tilt_deg') return tilt === null ? '' : tiltText(tilt);
     }
     return choices.find((each) => String(each.value) === value)?.hint ?? FIELDS[name].hint ?? '';
   }

@@ -1,4 +1,5 @@
 // The newest telemetry of the displayed vehicle, and its age.
+import { capital } from './dom.js';
 import { TYPES } from './wire/messages.js';
 import { seconds } from './wire/rosbridge.js';
 import { Closing, soonest } from './views/closing.js';
@@ -9,9 +10,10 @@ const LATE_SIM_S = 2; // at a factor of up to 1: of telemetry behind the time, o
 export const OFTEN = { throttle_rate: 150 };
 
 // Subscribe to a topic, if there is one. Return what ends that.
-export const subscribed = (bridge, topic, type, take, options) =>
+export const subscribed = (bridge, topic, type, take, options = undefined) =>
   topic ? [bridge.subscribe(topic, type, take, options)] : [];
 
+// Events: 'change', with each message, and 'age', now and then.
 export class Telemetry extends EventTarget {
   #ends = [];
   #closings = new Map(); // by the name of what is approached
@@ -94,9 +96,8 @@ export class Telemetry extends EventTarget {
       : 0;
     if (names.join() !== this.sensors.map(({ name }) => name).join())
       this.sensors = names.map((name, k) => {
-        const word = name.slice('sensor '.length).replaceAll('_', ' ');
-        const title = word.replace(/^./, (letter) => letter.toUpperCase());
-        return { name, word: title, unit: units[k] };
+        const word = capital(name.slice('sensor '.length).replaceAll('_', ' '));
+        return { name, word, unit: units[k] };
       });
     this.message = Object.assign(message, Object.fromEntries(names.map((name, k) => [name, values[k]])), {
       gauges: [...(message.gauges ?? []), ...names],

@@ -1,5 +1,5 @@
 // The top bar: all stop, vehicle, lights, tilt, gain, holds, records, the controls, time.
-import { attempt, byId, capital, clockText, draw, el, first, fixed, targetOf } from './dom.js';
+import { attempt, byId, capital, clockText, draw, el, first, fixed, targetOf, watched } from './dom.js';
 import { html, signal } from './vendor/preact.js';
 import { ALL_STOPPED } from './wire/messages.js';
 
@@ -41,6 +41,8 @@ function recLamp({ state, description }) {
 export class TopBar {
   /** @type {{ value: import('./wire/messages.js').VehicleDescription | null }} */
   #flown = signal(null);
+  #seen; // the bar is drawn again if this changes
+  #clock;
   #tiltTimer = 0;
   #wantedTilt = NaN;
 
@@ -53,7 +55,13 @@ export class TopBar {
     this.parts = parts;
     this.acts = acts;
     const root = first(byId('station'), '.topbar');
-    draw(root, () => this.#view(), [station, 'state', 'close', 'description'], [telemetry, 'change'], [pilot, 'gain']);
+    const read = (of) => watched(of, [telemetry, 'change'], [station, 'state']);
+    this.#seen = read(() => {
+      const { released, lamps, holds } = telemetry.message ?? {};
+      return JSON.stringify([this.#isStopped, this.#tiltText, released, lamps, holds]);
+    });
+    this.#clock = read(() => clockText(Math.max(station.state.time ?? 0, telemetry.stamp_s || 0), 1));
+    draw(root, () => this.#seen.value && this.#view(), [station, 'state', 'close', 'description'], [pilot, 'gain']);
     this.#makeCameraModes();
     // Space is a driving key, so it must not press the last clicked button again.
     byId('station').addEventListener('pointerup', (event) => {
@@ -131,6 +139,15 @@ export class TopBar {
       attempt(this.station.command('aim', this.#vehicle?.name, { elevation_rad }));
   }
 
+  get #tiltText() {
+    const { tilt = NaN } = this.telemetry.message ?? {};
+    return Number.isFinite(tilt) ? `${fixed((tilt * 180) / Math.PI, 0)}°` : '–';
+  }
+
+  get #isStopped() {
+    return this.telemetry.message?.alarms?.includes(ALL_STOPPED) ?? false;
+  }
+
   #isLit(k) {
     return Boolean(this.telemetry.message?.lamps[k]);
   }
@@ -163,7 +180,7 @@ export class TopBar {
     const isLate = !state.paused && state.speed > 0 && state.factor < LATE_SHARE * state.speed;
     const factor = state.paused ? 'paused' : `${fixed(state.factor, state.factor < 10 ? 2 : 0)}×`;
     return html`
-      <button id="all-stop" type="button" class="danger" aria-pressed=${Boolean(message?.alarms?.includes(ALL_STOPPED))}
+      <button id="all-stop" type="button" class="danger" aria-pressed=${this.#isStopped}
         title="All stop (X)" onClick=${acts.stop}>All stop</button>
       <button id="unfold" type="button" aria-label="All controls" aria-expanded="false"
         onClick=${acts.unfold}>⋯</button>
@@ -193,9 +210,7 @@ export class TopBar {
       </div>
       <div class="group" role="group" aria-label="Sonar tilt" hidden=${!tilt}>
         ${caption('Tilt')}${turn('tilt-up', 'Sonar nose up', '▲', 1)}
-        <output id="tilt" class="reading" aria-label="Sonar tilt">
-          ${Number.isFinite(message?.tilt) ? `${fixed((message.tilt * 180) / Math.PI, 0)}°` : '–'}
-        </output>
+        <output id="tilt" class="reading" aria-label="Sonar tilt">${this.#tiltText}</output>
         ${turn('tilt-down', 'Sonar nose down', '▼', -1)}
       </div>
       ${group(
@@ -217,9 +232,7 @@ export class TopBar {
       </span>
       ${parts.lease.view()}
       <div class="group time" role="group" aria-label="Time">
-        <output id="clock" class="reading clock" aria-label="Simulated time">
-          ${clockText(Math.max(state.time ?? 0, telemetry.stamp_s || 0), 1)}
-        </output>
+        <output id="clock" class="reading clock" aria-label="Simulated time">${this.#clock}</output>
         <select id="speed" aria-label="Requested speed" hidden=${!station.may('speed')} disabled=${mayNot}
           value=${String(+(+(state.speed ?? 1)).toFixed(6))}
           onChange=${chosen((speed) => attempt(station.control('speed', { speed: Number(speed) })))}>
@@ -247,19 +260,16 @@ export class TopBar {
   }
 
   #makeCameraModes() {
-    const select = el(
-      'select',
-      { id: 'quality', 'aria-label': 'Quality of the large picture' },
-      ...Object.entries(QUALITIES).map(([value, { title }]) =>
-        el('option', { value, selected: value === 'normal' }, title),
-      ),
-    );
-    select.addEventListener('change', () => {
-      const { rate_hz, width, quality } = QUALITIES[select.value];
+    const onchange = chosen((value) => {
+      const { rate_hz, width, quality } = QUALITIES[value];
       this.views.widths.set(this.views.large, width);
       attempt(this.station.setView({ name: this.views.large, rate_hz, width, quality }));
-      select.blur();
     });
-    this.views.setTools(select);
+    const options = Object.entries(QUALITIES).map(([value, { title }]) =>
+      el('option', { value, selected: value === 'normal' }, title),
+    );
+    this.views.setTools(
+      el('select', { id: 'quality', 'aria-label': 'Quality of the large picture', onchange }, ...options),
+    );
   }
 }

@@ -33,38 +33,36 @@ export function showGamepads(gamepads) {
     describe();
     again();
   };
-  const profile = () => structuredClone(gamepads.profiles.of(pad()));
+  const change = (edit) => {
+    const changed = structuredClone(gamepads.profiles.of(pad()));
+    edit(changed);
+    keep(changed);
+  };
   const listen = (text, begin) => () => {
     step = begin(pad());
     status.value = text;
   };
 
-  const assign = (effort) =>
-    listen(`Push the stick, or pull the trigger, for: ${NAMES[effort]}.`, (from) => {
+  // end: the one that a trigger is assigned to; a stick has both.
+  const assign = (effort, end, text) =>
+    listen(`${text}: ${NAMES[effort]}.`, (from) => {
       const seen = new Calibration(from.axes);
       return (now) => {
         seen.add(now.axes);
         const pulled = now.buttons.findIndex(({ value }, k) => value > 0.6 && (from.buttons[k]?.value ?? 0) < 0.3);
-        if (!seen.moved && pulled < 0) return;
-        const changed = profile();
-        if (seen.moved) changed.sticks[effort] = seen.moved;
-        else changed.sticks[effort] = { minus: changed.sticks[effort]?.minus, plus: pulled };
-        keep(changed);
+        const moved = end === 'plus' && seen.moved;
+        if (!moved && pulled < 0) return;
+        change(({ sticks }) => {
+          const { plus, minus } = sticks[effort] ?? {};
+          sticks[effort] = moved || { plus, minus, [end]: pulled };
+        });
       };
-    });
-  const assignOpposite = (effort) =>
-    listen(`Pull the trigger for the opposite of: ${NAMES[effort]}.`, () => (now) => {
-      const pulled = now.buttons.findIndex(({ value }) => value > 0.6);
-      if (pulled < 0) return;
-      const changed = profile();
-      changed.sticks[effort] = { plus: changed.sticks[effort]?.plus, minus: pulled };
-      keep(changed);
     });
   const calibrate = () => {
     const seen = new Calibration(pad()?.axes ?? []);
     step = (now) => seen.add(now.axes);
     status.value = 'Move every stick and trigger to all its limits, release them, then press Done.';
-    finish.value = () => keep({ ...profile(), ranges: seen.ranges });
+    finish.value = () => change((changed) => (changed.ranges = seen.ranges));
   };
 
   function row(effort) {
@@ -76,11 +74,7 @@ export function showGamepads(gamepads) {
         : plus !== undefined || minus !== undefined
           ? `buttons ${plus ?? '–'} and ${minus ?? '–'}`
           : 'none';
-    const remove = () => {
-      const changed = profile();
-      delete changed.sticks[effort];
-      keep(changed);
-    };
+    const remove = () => change(({ sticks: kept }) => delete kept[effort]);
     const button = (text, label, act) =>
       html`<button type="button" aria-label="${label}: ${NAMES[effort]}" onClick=${act}>${text}</button>`;
     return html`
@@ -88,8 +82,12 @@ export function showGamepads(gamepads) {
         <span>${NAMES[effort]}: ${source}</span>
         <span class="row">
           <output class="reading" aria-label="${NAMES[effort]} now">${levels[effort]}</output>
-          ${button('Assign', 'Assign', assign(effort))}
-          ${axis === undefined && plus !== undefined && button('Opposite', 'Opposite', assignOpposite(effort))}
+          ${button('Assign', 'Assign', assign(effort, 'plus', 'Push the stick, or pull the trigger, for'))}
+          ${
+            axis === undefined &&
+            plus !== undefined &&
+            button('Opposite', 'Opposite', assign(effort, 'minus', 'Pull the trigger for the opposite of'))
+          }
           ${sticks[effort] && button('✕', 'Remove', remove)}
         </span>
       </div>
@@ -97,12 +95,11 @@ export function showGamepads(gamepads) {
   }
 
   function buttonRow(number) {
-    const choose = ({ target }) => {
-      const changed = profile();
-      if (target.value) changed.buttons[number] = target.value;
-      else delete changed.buttons[number];
-      keep(changed);
-    };
+    const choose = ({ target }) =>
+      change(({ buttons }) => {
+        if (target.value) buttons[number] = target.value;
+        else delete buttons[number];
+      });
     return html`
       <div class="key-line">
         <span class=${(pressed[number] ??= signal(''))}>Button ${number}</span>
@@ -135,7 +132,7 @@ export function showGamepads(gamepads) {
         <label for="dead-zone">Dead zone</label>
         <input type="range" id="dead-zone" min=${DEAD_ZONES[0]} max=${DEAD_ZONES[1]} step="0.01"
           value=${gamepads.profiles.of(now).dead_zone}
-          onChange=${({ target }) => keep({ ...profile(), dead_zone: Number(target.value) })} />
+          onChange=${({ target }) => change((changed) => (changed.dead_zone = Number(target.value)))} />
       </div>
       <h3>Sticks and triggers</h3>
       ${AXES.map(row)}

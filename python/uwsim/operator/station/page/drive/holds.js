@@ -12,12 +12,7 @@ export const HOLDS = {
   depth: { title: 'depth', short: 'DEP', instead: 'altitude', text: length },
   altitude: { title: 'altitude', short: 'ALT', instead: 'depth', text: length },
   position: { title: 'position', short: 'POS', instead: 'speed', text: (off_m) => `${length(off_m)} off` },
-  speed: {
-    title: 'speed',
-    short: 'SPD',
-    instead: 'position',
-    text: (speed_m_s) => `${speed_m_s.toFixed(2)} m/s`,
-  },
+  speed: { title: 'speed', short: 'SPD', instead: 'position', text: (speed_m_s) => `${speed_m_s.toFixed(2)} m/s` },
 };
 
 // The compass heading of a yaw, which is counter-clockwise from east: '045'.

@@ -16,36 +16,29 @@ export class AlarmLog {
    * @param {{ name: string } | null} contact
    */
   update(message, time_s, contact = null) {
+    const { collisions: count = 0, alarms = [], failsafe = '', failsafe_cause: cause = '' } = message;
+    const texts = [
+      contact ? `Contact ahead: ${contact.name.replaceAll('_', ' ')}` : '',
+      ...Object.keys(FLAGS).map((field) => message[field] && FLAGS[field]),
+      ...alarms,
+      failsafe && acts(failsafe, cause),
+      message.hold_note,
+    ].filter(Boolean);
     const last = this.#last;
-    const was = this.entries[0];
-    const now = {
-      time_s,
-      count: message.collisions ?? 0,
-      contact: contact?.name ?? '',
-      note: message.hold_note ?? '',
-      failsafe: message.failsafe ? acts(message.failsafe, message.failsafe_cause ?? '') : '',
-      alarms: [...(message.alarms ?? [])],
-      flags: Object.keys(FLAGS).filter((field) => message[field]),
-    };
-    this.#last = now;
+    this.#last = { time_s, count, texts };
     if (!last || time_s < last.time_s) {
       const hadAny = this.entries.length > 0; // from a different run, or from before a restart
       [this.entries, this.collisions] = [[], 0];
       return hadAny;
     }
-    const add = (text) => {
-      this.entries = [{ time_s, text }, ...this.entries].slice(0, LONGEST);
-    };
-    if (now.count > last.count) {
-      this.collisions += now.count - last.count;
-      add('Collision');
+    const hits = Math.max(0, count - last.count);
+    this.collisions += hits;
+    const added = [hits ? 'Collision' : '', ...texts.filter((text) => !last.texts.includes(text))].filter(Boolean);
+    if (added.length) {
+      const newest = added.toReversed().map((text) => ({ time_s, text }));
+      this.entries = [...newest, ...this.entries].slice(0, LONGEST);
     }
-    if (now.contact && now.contact !== last.contact) add(`Contact ahead: ${now.contact.replaceAll('_', ' ')}`);
-    for (const field of now.flags) if (!last.flags.includes(field)) add(FLAGS[field]);
-    for (const alarm of now.alarms) if (!last.alarms.includes(alarm)) add(alarm);
-    if (now.failsafe && now.failsafe !== last.failsafe) add(now.failsafe);
-    if (now.note && now.note !== last.note) add(now.note);
-    return this.entries[0] !== was;
+    return added.length > 0;
   }
 
   acknowledge() {

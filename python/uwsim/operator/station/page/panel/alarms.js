@@ -1,5 +1,5 @@
 // The lamps of the paper's panel and one for contact, their sound, which is off by default, and the log of alarms.
-import { clockText } from '../dom.js';
+import { clockText, part } from '../dom.js';
 import { html, signal } from '../vendor/preact.js';
 import { AlarmLog } from './alarm_log.js';
 
@@ -17,6 +17,17 @@ const LAMPS = {
 
 /** @type {{ beep: [number, number], period_ms: number }} */
 const SILENCE = { beep: [300, 0.4], period_ms: 1000 }; // nothing arrives from the simulator
+
+const Log = part(
+  ({ entries }) => html`
+    <details id="alarm-log">
+      <summary>Alarm log <small>${entries.length || 'none'}</small></summary>
+      <ol class="alarm-log" tabindex="0" aria-label="Alarms, newest first">
+        ${entries.map(({ time_s, text }) => html`<li><time>${clockText(time_s)}</time> ${text}</li>`)}
+      </ol>
+    </details>
+  `,
+);
 
 export class Alarms {
   /** @type {AudioContext | null} */
@@ -64,7 +75,6 @@ export class Alarms {
   }
 
   view(isStale) {
-    const { entries } = this.log;
     const { isAsPublished } = this;
     const count = this.#collisions.value;
     const lamp = ([name, { title, level }]) => {
@@ -89,12 +99,7 @@ export class Alarms {
         <button type="button" id="acknowledge" class="danger" hidden=${!count} onClick=${() => this.#acknowledge()}>
           Acknowledge ${count === 1 ? '1 collision' : `${count} collisions`}
         </button>
-        <details id="alarm-log">
-          <summary>Alarm log <small>${entries.length || 'none'}</small></summary>
-          <ol class="alarm-log" tabindex="0" aria-label="Alarms, newest first">
-            ${entries.map(({ time_s, text }) => html`<li><time>${clockText(time_s)}</time> ${text}</li>`)}
-          </ol>
-        </details>
+        <${Log} entries=${this.log.entries} />
       </section>
     `;
   }

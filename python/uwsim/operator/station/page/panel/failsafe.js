@@ -29,24 +29,14 @@ export function failsafe(station, vehicle, message, isStale) {
   const takeBack = () =>
     attempt(station.command('override_failsafe', vehicle), 'The vehicle has been asked to accept commands again.');
   return html`
-    <section
-      id="failsafe"
-      class="failsafe ${isStale ? 'is-stale' : ''}"
-      data-kind=${action && action !== 'go_on' ? 'steers' : 'tells'}
-      hidden=${!action && alarms.length === 0}
-    >
+    <section id="failsafe" class="failsafe ${isStale ? 'is-stale' : ''}" hidden=${!action && alarms.length === 0}
+      data-kind=${action && action !== 'go_on' ? 'steers' : 'tells'}>
       <div role="alert">
         <p>${action ? acts(action, cause) : 'The vehicle has detected:'}</p>
         <ul>${alarms.map((alarm) => html`<li>${alarm}</li>`)}</ul>
       </div>
-      <button
-        type="button"
-        id="take-back"
-        title="Override the failsafe: it will not act on this cause again"
-        hidden=${!action}
-        disabled=${!station.isPilot}
-        onClick=${takeBack}
-      >Take back</button>
+      <button type="button" id="take-back" title="Override the failsafe: it will not act on this cause again"
+        hidden=${!action} disabled=${!station.isPilot} onClick=${takeBack}>Take back</button>
     </section>
   `;
 }

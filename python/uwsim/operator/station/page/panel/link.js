@@ -1,6 +1,7 @@
 // The quality of the link between station and vehicle. In a scenario without a link, it is shown only while a fault
 // has cut the vehicle off.
 import { fixed } from '../dom.js';
+import { subscribed } from '../telemetry.js';
 import { html, signal } from '../vendor/preact.js';
 import { TYPES } from '../wire/messages.js';
 import { valueRow } from './rows.js';
@@ -25,8 +26,7 @@ function faultText(loss) {
 }
 
 export class Link {
-  /** @type {(() => void) | null} */
-  #end = null;
+  #ends = /** @type {(() => void)[]} */ ([]);
   #views = []; // those of describe
   #message = signal(null); // the last
   #interval = 0; // between the last two
@@ -39,12 +39,12 @@ export class Link {
   }
 
   begin({ link }, views) {
-    this.#end?.();
+    for (const end of this.#ends) end();
     this.#views = views;
     this.#message.value = null;
     this.#interval = 0;
     if (this.#isAboard.value && !this.#hasTruth) this.#show(false);
-    this.#end = link ? this.station.bridge.subscribe(link, TYPES.Link, (message) => this.#receive(message)) : null;
+    this.#ends = subscribed(this.station.bridge, link, TYPES.Link, (message) => this.#receive(message));
   }
 
   get #hasTruth() {
@@ -79,11 +79,8 @@ export class Link {
           ${VALUES.map(([name, unit, read]) => valueRow(name, unit, message && !isPlain ? read(message) : '–'))}
         </dl>
         <label class="aboard" hidden=${!this.#hasTruth}>
-          <input
-            type="checkbox"
-            checked=${this.#isAboard.value}
-            onChange=${(event) => this.#show(event.target.checked)}
-          /> Show what the vehicle sees
+          <input type="checkbox" checked=${this.#isAboard.value} onChange=${({ target }) => this.#show(target.checked)} />
+          ${' '}Show what the vehicle sees
         </label>
       </section>
     `;

@@ -1,5 +1,5 @@
 // The panel: all values of the paper's panel, the position, bars, the link and the map.
-import { clockText, draw, fixed, grouped } from '../dom.js';
+import { clockText, draw, fixed, grouped, part } from '../dom.js';
 import { unitName } from '../units.js';
 import { html, signal } from '../vendor/preact.js';
 import { Alarms } from './alarms.js';
@@ -37,18 +37,22 @@ function estimateText({ position, position_std: std, true_position: truth, is_tr
 }
 
 // Bars from a middle line, for thrusters and efforts: values in [-1, 1], shown in percent.
-const bars = (names, values) =>
-  html`<div class="bars">${names.map((name, k) => bar(name, Math.max(-1, Math.min(1, values[k] ?? 0))))}</div>`;
+const bars = (names, values) => {
+  const share = (k) => Math.max(-1, Math.min(1, values[k] ?? 0));
+  return html`<div class="bars">${names.map((name, k) => html`<${Bar} name=${name} share=${share(k)} />`)}</div>`;
+};
 
-const bar = (name, part) => html`
-  <div title=${name.replaceAll('_', ' ')}>
-    <output aria-label=${name}>${Math.round(100 * part)}</output>
-    <div class="bar" aria-hidden="true">
-      <i style=${{ top: `${50 - 50 * Math.max(part, 0)}%`, height: `${50 * Math.abs(part)}%` }} />
+const Bar = part(
+  ({ name, share }) => html`
+    <div title=${name.replaceAll('_', ' ')}>
+      <output aria-label=${name}>${Math.round(100 * share)}</output>
+      <div class="bar" aria-hidden="true">
+        <i style=${{ top: `${50 - 50 * Math.max(share, 0)}%`, height: `${50 * Math.abs(share)}%` }} />
+      </div>
+      <span aria-hidden="true">${shortened(name)}</span>
     </div>
-    <span aria-hidden="true">${shortened(name)}</span>
-  </div>
-`;
+  `,
+);
 
 // A short name that fits below a bar: "vertical_front_left" becomes "v f l", "T3" stays.
 function shortened(name) {
@@ -77,18 +81,26 @@ export class Panel {
     this.arm = new Arm(station, telemetry, pilot.arm);
     this.exercise = new ExercisePanel(station);
     telemetry.addEventListener('change', () => this.#hear());
-    /** @type {[EventTarget, string][]} */
-    const followed = [
-      [telemetry, 'change'],
-      [pilot, 'efforts'],
-      [pilot.arm, 'part'],
-      [station, 'state'],
-    ];
-    const again = draw(container, () => this.#view(), ...followed);
     setInterval(() => {
       this.#hear();
-      again();
+      telemetry.dispatchEvent(new Event('age'));
     }, 500);
+    const seldom = (view, ...more) => part(view, [station, 'state'], ...more);
+    const often = (view, ...more) => seldom(() => view(telemetry.isStale), [telemetry, 'change', 'age'], ...more);
+    const sections = [
+      often((isStale) => this.allStop.view(isStale)),
+      often((isStale) => failsafe(station, this.#vehicle.value?.name, telemetry.message, isStale)),
+      seldom(() => this.exercise.view()),
+      often((isStale) => this.alarms.view(isStale)),
+      often((isStale) => this.#gauges(isStale)),
+      often((isStale) => this.arm.view(isStale), [pilot.arm, 'part']),
+      seldom(() => inspection.view()),
+      seldom(() => this.tether.view()),
+      seldom(() => this.link.view()),
+      seldom(() => this.#controls(), [pilot, 'efforts']),
+      seldom(() => this.#map()),
+    ];
+    draw(container, () => sections.map((each) => html`<${each} />`));
   }
 
   begin(vehicle, description) {
@@ -135,25 +147,16 @@ export class Panel {
     `;
   }
 
-  #view() {
-    const { station, telemetry, pilot } = this;
-    const { message, isStale, lag_s, sensors } = telemetry;
-    const { name = '', thrusters = [], map = null } = this.#vehicle.value ?? {};
+  #gauges(isStale) {
+    const { station, telemetry } = this;
+    const { message, lag_s, sensors } = telemetry;
+    const { thrusters = [] } = this.#vehicle.value ?? {};
     const hasThrusters = thrusters.length > 0; // otherwise it is driven by forces along and about the axes
     const isOff = !message?.released || message.battery <= 0; // efforts then have no effect
     const age = !message ? 'waiting' : station.isBlind ? 'not connected' : lag_s > 1 ? `${fixed(lag_s, 1)} s old` : '';
     const charge = message ? `${fixed(message.battery, 0)} % · ${clockText(message.mission_time)} used` : '';
     const driven = isOff ? [] : hasThrusters ? message.thrusters : message.efforts;
-    const file = (kind) => ({
-      href: station.href(`${map}.${kind}`),
-      download: '',
-      'aria-label': `Download the map as .${kind}`,
-    });
     return html`
-      ${this.allStop.view(isStale)}
-      ${failsafe(station, name, message, isStale)}
-      ${this.exercise.view()}
-      ${this.alarms.view(isStale)}
       <div class=${isStale ? 'is-stale' : ''}>
         ${section('Vehicle', age, this.#list(BIG, 'big-values'), this.#list(MOTION))}
         ${section('Position', message ? estimateText(message) : '', this.#list(POSITION, 'big-values small'))}
@@ -161,12 +164,21 @@ export class Panel {
         ${section('Battery', charge, this.#battery(message ?? {}))}
         ${section(hasThrusters ? 'Thrusters' : 'Thrust', '%', bars(hasThrusters ? thrusters : EFFORTS, driven))}
       </div>
-      ${this.arm.view(isStale)}
-      ${this.inspection.view()}
-      ${this.tether.view()}
-      ${this.link.view()}
-      ${station.description?.replay ? '' : section('Controls', '%', bars(EFFORTS, Object.values(pilot.efforts)))}
-      ${section('Map', this.#mapNote.value, downloads('Download the map', map ? MAP_KINDS : [], file))}
     `;
+  }
+
+  #controls() {
+    if (this.station.description?.replay) return '';
+    return section('Controls', '%', bars(EFFORTS, Object.values(this.pilot.efforts)));
+  }
+
+  #map() {
+    const { map = null } = this.#vehicle.value ?? {};
+    const file = (kind) => ({
+      href: this.station.href(`${map}.${kind}`),
+      download: '',
+      'aria-label': `Download the map as .${kind}`,
+    });
+    return section('Map', this.#mapNote.value, downloads('Download the map', map ? MAP_KINDS : [], file));
   }
 }

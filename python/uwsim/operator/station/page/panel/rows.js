@@ -1,6 +1,6 @@
 // The rows of the panel: how a gauge is shown, whose table is Python's, and the values computed from the orientation.
 import { attitude } from '../attitude.js';
-import { capital, fixed } from '../dom.js';
+import { capital, fixed, part } from '../dom.js';
 import { inUnit } from '../units.js';
 import { html } from '../vendor/preact.js';
 import { GAUGES } from '../wire/messages.js';
@@ -39,15 +39,20 @@ function range(range_m, reach_m = Infinity) {
   return range_m >= reach_m ? `> ${fixed(inUnit(reach_m), 0)}` : fixed(inUnit(range_m), 1);
 }
 
+const Row = part(
+  ({ name, unit, text, title, isOld }) => html`
+    <div>
+      <dt>${name}</dt>
+      <dd class=${isOld ? 'is-stale' : ''}>
+        <span title=${title}>${text}</span>${unit && html`<span class="unit">${unit}</span>`}
+      </dd>
+    </div>
+  `,
+);
+
 // A row of a list: the name of a value, its unit, its text and its tooltip.
-export const valueRow = (name, unit, text, title = '', isOld = false) => html`
-  <div>
-    <dt>${name}</dt>
-    <dd class=${isOld ? 'is-stale' : ''}>
-      <span title=${title}>${text}</span>${unit && html`<span class="unit">${unit}</span>`}
-    </dd>
-  </div>
-`;
+export const valueRow = (name, unit, text, title = '', isOld = false) =>
+  html`<${Row} ...${{ name, unit, text, title, isOld }} />`;
 
 // A group of links to files of some kinds. of: the attributes of one.
 export const downloads = (label, kinds, of) => html`

@@ -1,5 +1,6 @@
 // The vehicle's tether: length out, tensions, the scale of its colours, turns about obstacles, and the winch.
 import { attempt, byId, fixed } from '../dom.js';
+import { subscribed } from '../telemetry.js';
 import { html, signal } from '../vendor/preact.js';
 import { valueRow } from './rows.js';
 
@@ -30,9 +31,8 @@ export class TetherPanel {
     this.#vehicle = name;
     [this.#tether.value, this.#state.value, this.#turns.value] = [tether ?? null, [], []];
     const listen = (topic, kept) =>
-      this.station.bridge.subscribe(topic, 'std_msgs/Float64MultiArray', ({ data }) => (kept.value = [...data]));
-    this.#ends = tether ? [listen(tether.tension, this.#state)] : [];
-    if (tether?.turns) this.#ends.push(listen(tether.turns, this.#turns));
+      subscribed(this.station.bridge, topic, 'std_msgs/Float64MultiArray', ({ data }) => (kept.value = [...data]));
+    this.#ends = [...listen(tether?.tension, this.#state), ...listen(tether?.turns, this.#turns)];
   }
 
   view() {

@@ -42,10 +42,6 @@ export class Timeline {
     return this.#flight.value;
   }
 
-  get isShown() {
-    return this.#replay !== null;
-  }
-
   /** Show the time line of a session, if it is a replay.
    * @param {import('../wire/messages.js').Description} description
    */

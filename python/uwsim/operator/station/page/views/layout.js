@@ -98,22 +98,13 @@ export class Views extends EventTarget {
   // Show these views (of describe.views) and those that this page draws, in the order of their kinds.
   fill(views) {
     for (const { picture } of this.#views.values()) picture?.show('');
-    this.#views.clear();
-    const all = [
-      ...views.map((view) => this.#pictureView(view)),
-      ...this.drawn.map((own) => this.#frame(own, ...own.element)),
-    ];
-    for (const each of all.toSorted((a, b) => rank(a.view) - rank(b.view))) this.#views.set(each.view.name, each);
-    this.#keys = numberKeys([...this.#views.values()].map(({ view }) => view));
-    for (const [name, { number, swap, title }] of this.#views) {
-      const key = String(this.#keys.get(name) ?? '');
-      write(number, key);
-      number.hidden = key === '';
-      swap.setAttribute('aria-label', `Make ${title} the large view (key ${key})`);
-    }
+    const all = [...views, ...this.drawn].toSorted((a, b) => rank(a) - rank(b));
+    this.#keys = numberKeys(all);
+    const frame = (view) => (view.element ? this.#frame(view, ...view.element) : this.#pictureView(view));
+    this.#views = new Map(all.map((view) => [view.name, frame(view)]));
     this.container.replaceChildren(...[...this.#views.values()].map(({ element }) => element));
-    const shown = [...this.#views.values()].find(({ view }) => view.link?.period_s !== null);
-    this.enlarge(this.#views.has(this.#large) ? this.#large : (shown?.view.name ?? this.names[0]));
+    const shown = all.find(({ link }) => link?.period_s !== null) ?? all[0];
+    this.enlarge(this.#views.has(this.#large) ? this.#large : shown.name);
   }
 
   // Show all views as small ones on a hand-held screen, or those of HELD; see the button that unfolds the bar.
@@ -188,19 +179,29 @@ export class Views extends EventTarget {
 
   #frame(view, ...contents) {
     const { name, title } = view;
-    const [number, lost] = [el('b'), el('span', {}, 'No picture')];
-    const swap = el('button', { type: 'button', className: 'swap', onclick: () => this.enlarge(name) });
-    const over = el('p', { className: 'over', hidden: true });
-    const parts = [el('p', { className: 'lost' }, lost), over, el('p', { className: 'name' }, number, title), swap];
-    const element = el('section', { className: 'view', 'aria-label': title, 'data-view': name }, ...contents, ...parts);
-    return { view, title, element, number, swap, lost, over };
+    const key = String(this.#keys.get(name) ?? '');
+    const [lost, over] = [el('span', {}, 'No picture'), el('p', { className: 'over', hidden: true })];
+    const element = el(
+      'section',
+      { className: 'view', 'aria-label': title, 'data-view': name },
+      ...contents,
+      el('p', { className: 'lost' }, lost),
+      over,
+      el('p', { className: 'name' }, el('b', { hidden: key === '' }, key), title),
+      el('button', {
+        type: 'button',
+        className: 'swap',
+        'aria-label': `Make ${title} the large view (key ${key})`,
+        onclick: () => this.enlarge(name),
+      }),
+    );
+    return { view, title, element, lost, over };
   }
 
   #pictureView(view) {
     const sonar = view.sonar ? new SonarScreen(view.sonar) : null;
     const canvas = sonar?.canvas ?? el('canvas', { className: 'picture', width: 16, height: 9 });
-    canvas.setAttribute('role', 'img');
-    canvas.setAttribute('aria-label', `Picture: ${view.title}`);
+    Object.assign(canvas, { role: 'img', ariaLabel: `Picture: ${view.title}` });
     const isCamera = CAMERAS.has(view.kind);
     const hasHud = view.kind === 'camera' && (view.optics ? view.optics.follows === 'body' : AHEAD.test(view.name));
     const hudCanvas = hasHud ? el('canvas', { className: 'hud', 'aria-hidden': 'true' }) : null;
