@@ -227,10 +227,10 @@ def peak_mb() -> float:
 
 
 @contextmanager
-def station_page(scenario: str, reading_s: float = 0.0) -> Iterator[tuple[Any, Any, dict[str, float]]]:
+def station_page(scenario: str, reading_s: float = 0.0) -> Iterator[tuple[Any, Any, Any, dict[str, float]]]:
     """Open a station in Debian's headless Chromium, start the scenario and take the helm.
 
-    Yield station, page, and what the start took. reading_s: the time at the start screen.
+    Yield server, station, page, and what the start took. reading_s: the time at the start screen.
     """
     from playwright.sync_api import sync_playwright
 
@@ -258,5 +258,5 @@ def station_page(scenario: str, reading_s: float = 0.0) -> Iterator[tuple[Any, A
         start_s = time.perf_counter() - begun_s
         wait_for(lambda: page.evaluate("Boolean(station.station.isPilot)"))
         page.keyboard.press("r")
-        yield station, page, {"first paint [s]": 1e-3 * first_paint_ms, "live after Start [s]": start_s}
+        yield server, station, page, {"first paint [s]": 1e-3 * first_paint_ms, "live after Start [s]": start_s}
         browser.close()

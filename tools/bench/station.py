@@ -210,7 +210,7 @@ def in_browser(seconds: float, scenario: str) -> dict[str, float]:
         with console.status("surveying"):
             run_survey(scenario, Path(folder) / "survey", report="none")
         changes = map_changes(Path(folder) / "survey" / "map.bt")
-    with station_page(scenario, reading_s=5.0) as (station, page, results):
+    with station_page(scenario, reading_s=5.0) as (_, station, page, results):
         page.keyboard.down("w")
         with console.status("flying"):
             results |= flying(page, station, seconds)

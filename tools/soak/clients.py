@@ -1,13 +1,11 @@
-"""Soak test: hostile clients at a live rosbridge for ten minutes. Memory, sessions and pace must end as they began.
+"""The clients of a rosbridge in a soak test: a first wave of hostile ones, then a crowd of them beside ordinary ones.
 
-    .venv/bin/python tools/soak/rosbridge.py [SECONDS]
+    python tools/soak/clients.py URL SECONDS
 
-Up to 1,000 clients at once send garbage, valid and damaged operations, floods, unfinished fragments and huge frames,
-subscribe without reading, and leave at any time. A first wave precedes the first memory measurement, since the
-allocator keeps the memory of the largest number of clients so far. The exit code is 1 if, after that, memory grew by
-more than 16 MB or objects in use by more than 1 %, or if anything was left behind.
-
-With `clients URL SECONDS` it is what days.py starts: clients that read and steer, come and go, or stop reading.
+Hostile clients send garbage, valid and damaged operations, floods, unfinished fragments and huge frames, subscribe
+without reading, and leave at any time. Ordinary ones read and steer, come and go, or stop reading. They are in a
+process of their own, since in the server's they would compete with the simulator for the interpreter. A line is printed
+when the first wave, the largest number of clients at once, has gone.
 """
 
 from __future__ import annotations
@@ -16,22 +14,13 @@ import asyncio
 import json
 import random
 import sys
-import time
 from contextlib import suppress
 from typing import Any
 
 import cbor2
-from steady import child, resident_mb, verdict
 from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import WebSocketException
 
-from uwsim.bridges import RosbridgeServer
-from uwsim.cli.run_live import keep_threads_moving
-from uwsim.live import LiveSimulator
-
-GROWTH_MB = 16.0
-GROWTH_OBJECTS = 0.01  # a few thousand freed tuples are kept for reuse
-SETTLE_S = 5.0
 CROWD, WAVE = 40, 1000
 OPS = (
     "advertise", "unadvertise", "publish", "subscribe", "unsubscribe", "call_service", "advertise_service",
@@ -86,13 +75,10 @@ async def attack(url: str, rng: random.Random) -> None:
         pass
 
 
-async def besiege(url: str, seconds: float) -> None:
-    """Connect a wave of hostile clients and, for some seconds, a crowd of them with an occasional wave."""
-    await asyncio.gather(*(attack(url, random.Random(seed)) for seed in range(WAVE if not seconds else 0)))
-    until_s, rng = time.monotonic() + seconds, random.Random(1)
-    while time.monotonic() < until_s:
-        count = WAVE if rng.random() < 0.02 else CROWD
-        await asyncio.gather(*(attack(url, random.Random(rng.random())) for _ in range(count)))
+async def besiege(url: str, rng: random.Random) -> None:
+    """Connect a crowd of hostile clients, occasionally a wave of them."""
+    count = WAVE if rng.random() < 0.02 else CROWD
+    await asyncio.gather(*(attack(url, random.Random(rng.random())) for _ in range(count)))
 
 
 async def connected(url: str, **options: Any) -> ClientConnection:
@@ -172,61 +158,19 @@ async def again(client: Any, *arguments: Any) -> None:
         await asyncio.sleep(1.0)
 
 
-async def typical(url: str, seconds: float) -> None:
-    """Run all typical clients at once."""
+async def main(url: str, seconds: float) -> None:
+    """Connect the first wave, and then all kinds of clients at once."""
+    await asyncio.gather(*(attack(url, random.Random(seed)) for seed in range(WAVE)))
+    print("the first wave has gone", flush=True)
     rng = random.Random(1)
     clients = [
         (read, url, TELEMETRY), (read, url, CLOUDS, CLOUD_MS), (read, url, PICTURES, PICTURE_MS), (steer, url),
-        (come_and_vanish, url, rng), (attack, url, rng), (stop_reading, url),
+        (come_and_vanish, url, rng), (besiege, url, rng), (stop_reading, url),
     ]  # fmt: skip
     with suppress(TimeoutError):
         async with asyncio.timeout(seconds):
             await asyncio.gather(*(again(*client) for client in clients))
 
 
-def settled() -> tuple[float, int]:
-    """Return memory [MB] and objects in use, some seconds after the last client has left."""
-    time.sleep(SETTLE_S)
-    return resident_mb(), sys.getallocatedblocks()
-
-
-def main(seconds: float) -> int:
-    """Run; return the exit code."""
-    keep_threads_moving()
-    with LiveSimulator("lake") as live, RosbridgeServer(live) as server:
-        topics = len(server.graph.topics)
-        # Clients are in other processes, since here they would compete with the simulator for the interpreter.
-        child(__file__, "siege", server.url, 0).wait()
-        first_mb, first_objects = settled()
-        print(f"after the first wave: {first_mb:.0f} MB, {first_objects} objects", flush=True)
-        shown_s = time.monotonic()
-        siege = child(__file__, "siege", server.url, seconds)
-        while siege.poll() is None:
-            time.sleep(1.0)
-            if time.monotonic() - shown_s >= min(60.0, seconds / 4):
-                shown_s = time.monotonic()
-                print(
-                    f"{resident_mb():.0f} MB, {sys.getallocatedblocks()} objects, {len(server.sessions)} sessions, "
-                    f"{len(server.graph.topics)} topics, pace {live.factor:.3f}, late {1e3 * live.lateness:.1f} ms",
-                    flush=True,
-                )
-                live.forget_delays()  # each line reports the worst delay of its own minute
-        last_mb, last_objects = settled()
-        grown = last_objects / first_objects - 1.0
-        left = len(server.sessions), len(server.graph.topics) - topics
-        print(f"{last_mb:.0f} MB, grown by {last_mb - first_mb:.0f}; objects by {grown:.2%}; left: {left}")
-        rules = {
-            "memory": last_mb - first_mb <= GROWTH_MB,
-            "objects": grown <= GROWTH_OBJECTS,
-            "sessions and topics": left == (0, 0),
-            f"the simulator: {live.error}": live.error is None,
-        }
-        return verdict(name for name, is_kept in rules.items() if not is_kept)
-
-
 if __name__ == "__main__":
-    match sys.argv[1:]:
-        case [("siege" | "clients") as kind, url, seconds]:
-            asyncio.run((besiege if kind == "siege" else typical)(url, float(seconds)))
-        case arguments:
-            sys.exit(main(float(*arguments or ["600"])))
+    asyncio.run(main(sys.argv[1], float(sys.argv[2])))

@@ -1,41 +1,31 @@
-"""Eight threads that make random calls for ten minutes, on shared objects and on their own.
-
-    .venv/bin/python tools/soak/threads.py [--minutes 10] [--threads 8] [--seed 0]
-
-The rules: only documented errors and no crash; no lost step (of a simulator, a batch, a live simulator); a thread's
-work on its own objects gives the same bytes as without other threads; a straight line through samples of memory grows
-by at most 2 % after the first fifth of the time, in which memory settles. Exits with 1 if a rule is broken.
-"""
+"""Random calls by threads on objects that all share, and programs on objects of their own."""
 
 from __future__ import annotations
 
 import copy
-import faulthandler
 import hashlib
 import pickle
 import random
-import sys
-import tempfile
 import threading
-import time
 import traceback
 from collections import Counter
-from collections.abc import Callable
-from contextlib import ExitStack, suppress
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from functools import partial
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
-import typer
-from steady import growth, trimmed_mb, verdict
 
-from uwsim import Batch, Simulator, recording
+from uwsim import Batch, Simulator, fly, recording, run_survey
+from uwsim.evidence.fingerprint import fingerprint
+from uwsim.examples.m01_hello_dive import mission
 from uwsim.live import LiveSimulator
 from uwsim.mapping import OccupancyMap
 from uwsim.recording import Recorder
 
 MEMBERS, POINTS, PROGRAMS, CALLS_OF_A_PROGRAM = 4, 200, 4, 20
-MEMORY, SETTLING, SAMPLE_S = 0.02, 0.2, 20.0
+PINGS, IDLE_S = 60, 1800.0
 Call = Callable[[random.Random], object]
 
 
@@ -43,7 +33,8 @@ class Shared:
     """The objects that all threads call."""
 
     def __init__(self, folder: Path) -> None:
-        self.folder = folder
+        self.folder, self.left = folder / "recordings", list[str]()
+        self.folder.mkdir()
         self.sim, self.restored = Simulator("pool", threads=2), Simulator("pool", threads=2)
         self.sim.rov.undock()
         self.state = self.restored.save_state()
@@ -51,6 +42,12 @@ class Shared:
         self.batch.release()
         self.live = LiveSimulator("pool", paused=True).start()
         self.live.command("undock", vehicle="rov").result()
+
+    def stopped(self) -> dict[str, int]:
+        """Stop; return the ticks of the objects that were stepped."""
+        self.live.stop()
+        self.left = [path.name for path in self.folder.iterdir()]
+        return {"simulator": self.sim.tick, "batch": self.batch.simulator(0).tick, "live": self.live.tick}
 
     def calls(self, stepped: Counter[str]) -> dict[str, Call]:
         """Return all possible calls by name. stepped: the count of one thread."""
@@ -131,6 +128,37 @@ def refuses(copied: Callable[[Any], object], sim: Simulator) -> None:
         raise AssertionError(f"{copied} does not refuse a simulator")
 
 
+def programs(folder: Path) -> dict[str, Callable[[], str]]:
+    """Return what a thread does on its own objects, by name: each gives the digest of all its outputs."""
+
+    def survey() -> str:
+        path = folder / f"survey-{threading.get_ident()}"
+        run_survey("pool", path, seed=7, threads=1, report="none")
+        return hashlib.sha256((path / "map.bt").read_bytes()).hexdigest()
+
+    def dive() -> str:
+        occupancy = fly(mission, "lake", map=True, seed=7, threads=1).occupancy
+        assert occupancy is not None
+        return hashlib.sha256(occupancy.to_bytes("bt")).hexdigest()
+
+    own = {"survey": survey, "dive": dive, "flight": idle_flight}
+    own["fingerprint"] = lambda: fingerprint("pool", seed=7, threads=1).whole
+    return own | {f"program {number}": partial(program, number) for number in range(PROGRAMS)}
+
+
+def idle_flight() -> str:
+    """Fly half an hour, of which a minute with pings; return the digest of pings and pose."""
+    sim, seen = Simulator("lake", seed=7, threads=1), hashlib.sha256()
+    sim.rov.undock()
+    sim.rov.set_effort(surge=0.3, yaw=0.1)
+    for _ in range(PINGS):
+        sim.advance(1.0)
+        seen.update(sim.rov.sonar.ping().ranges_m)
+    sim.advance(IDLE_S)
+    seen.update(np.concatenate([sim.rov.pose.position_world_m, sim.rov.pose.orientation_xyzw]))
+    return seen.hexdigest()
+
+
 def program(number: int) -> str:
     """Run the program with this number on new objects; return the digest of all its outputs."""
     rng, said = random.Random(number), hashlib.sha256()
@@ -155,14 +183,21 @@ def program(number: int) -> str:
 class Worker(threading.Thread):
     """A thread that makes random calls until it is stopped."""
 
-    def __init__(self, shared: Shared, alone: list[str], seed: int, gate: threading.Event) -> None:
+    def __init__(
+        self,
+        shared: Shared,
+        own: Mapping[str, Callable[[], str]],
+        alone: Mapping[str, str],
+        seed: int,
+        gate: threading.Event,
+    ) -> None:
         super().__init__()
         self.stepped: Counter[str] = Counter()
         self.called: Counter[str] = Counter()
         self.errors: list[str] = []
         self.busy, self.ends = threading.Lock(), False
-        self._alone, self._gate, self._rng = alone, gate, random.Random(seed)
-        self._calls = shared.calls(self.stepped) | {"own": self._own}
+        self._own, self._alone, self._gate, self._rng = own, alone, gate, random.Random(seed)
+        self._calls = shared.calls(self.stepped) | {"own": self._on_its_own}
 
     def run(self) -> None:
         """Make random calls."""
@@ -177,60 +212,7 @@ class Worker(threading.Thread):
                     self.errors.append(f"{name}: {traceback.format_exc()}")
             self.called[name] += 1
 
-    def _own(self, rng: random.Random) -> None:
-        number = rng.randrange(len(self._alone))
-        if program(number) != self._alone[number]:
-            raise AssertionError(f"program {number} gives other bytes than alone")
-
-
-def main(
-    minutes: Annotated[float, typer.Option(min=0.05, help="How long the threads call [min].")] = 10.0,
-    threads: Annotated[int, typer.Option(min=1, help="Number of threads.")] = 8,
-    seed: Annotated[int, typer.Option(help="The seed of the calls.")] = 0,
-) -> None:
-    """Call, count and compare."""
-    faulthandler.enable()
-    sys.setswitchinterval(0.0001)  # more often than the default, to provoke more errors
-    alone = [program(number) for number in range(PROGRAMS)]
-    gate, memory_mb = threading.Event(), []
-    with tempfile.TemporaryDirectory() as folder:
-        shared = Shared(Path(folder))
-        workers = [Worker(shared, alone, seed + number, gate) for number in range(threads)]
-        for worker in workers:
-            worker.start()
-        gate.set()
-        ends_s = time.monotonic() + 60.0 * minutes
-        while time.monotonic() < ends_s:
-            time.sleep(min(SAMPLE_S, 6.0 * minutes))
-            gate.clear()
-            with ExitStack() as held:  # while no thread is inside a call, so that objects of calls are not counted
-                for worker in workers:
-                    held.enter_context(worker.busy)
-                memory_mb.append(trimmed_mb())
-                typer.echo(f"{memory_mb[-1]:.1f} MB")
-            gate.set()
-        for worker in workers:
-            worker.ends = True
-        for worker in workers:
-            worker.join()
-        ticks = {"simulator": shared.sim.tick, "batch": shared.batch.simulator(0).tick, "live": shared.live.tick}
-        shared.live.stop()
-        left = [path.name for path in shared.folder.iterdir()]
-    called, stepped = sum((w.called for w in workers), Counter()), sum((w.stepped for w in workers), Counter())
-    errors = [error for worker in workers for error in worker.errors]
-    grown = growth(memory_mb, SETTLING)
-    for kind, count in Counter(errors).most_common(10):
-        typer.echo(f"{count} times {kind}")
-    typer.echo(f"{called.total()} calls: {dict(sorted(called.items()))}")
-    typer.echo(f"steps {dict(stepped)}, came to {ticks}; memory {grown:+.2%}, at the end {trimmed_mb():.0f} MB")
-    rules = {
-        f"{len(errors)} errors": not errors,
-        "steps": ticks == {name: stepped[name] for name in ticks},
-        "memory": grown <= MEMORY,
-        f"files left: {left}": not left,
-    }
-    raise typer.Exit(verdict(name for name, is_kept in rules.items() if not is_kept))
-
-
-if __name__ == "__main__":
-    typer.run(main)
+    def _on_its_own(self, rng: random.Random) -> None:
+        name = rng.choice(list(self._own))
+        if self._own[name]() != self._alone[name]:
+            raise AssertionError(f"{name} gives other bytes than alone")
