@@ -15,10 +15,10 @@ from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import differential_evolution
 from scipy.spatial.transform import Rotation
 
+from uwsim.base.arrays import Floats
 from uwsim.base.axes import AXES
 from uwsim.evidence.validate.flights import START_M, deep_water
 from uwsim.evidence.validate.step_responses import DURATION_S, PERIOD_S, StepResponse, step_responses
@@ -28,7 +28,6 @@ from uwsim.scenario.spec.actuator import Control
 from uwsim.simulator.simulator import Simulator
 from uwsim.simulator.vehicle import Vehicle
 
-Floats = NDArray[np.float64]
 GUSTS = {"kind": "gusts", "mean_m_s": (0.4, 0.3, 0.0), "sigma_m_s": (0.2, 0.2, 0.05), "correlation_time_s": 10.0}
 NAMES = ("position_1_s", "velocity_1_s", "integral_1_s2")
 BOUNDS = [(0.3, 3.0), (0.8, 8.0), (0.1, 8.0)] * 2

@@ -13,6 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.base.arrays import Floats
+
 FARTHEST_M = 65.535
 """The largest depth in millimetres that fits into 16 bits."""
 STUFF = ("nothing", "terrain")
@@ -26,7 +28,7 @@ def depth_pixels(depth_m: NDArray[np.float32]) -> NDArray[np.uint16]:
 
 
 def normal_pixels(
-    normals_world: NDArray[np.float32], world_from_optical: NDArray[np.float64], rays: NDArray[np.float32]
+    normals_world: NDArray[np.float32], world_from_optical: Floats, rays: NDArray[np.float32]
 ) -> NDArray[np.uint8]:
     """Return normals in the optical frame, facing the camera, as round(127.5 (n + 1)); 0, 0, 0 if nothing is hit.
 

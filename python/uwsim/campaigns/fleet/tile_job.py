@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.base.arrays import Floats
 from uwsim.base.polygon import inside
 from uwsim.campaigns.fleet.tiles import Grid, Tile
 from uwsim.campaigns.sweeps.job import Job, flat, loaded, run_values
@@ -75,7 +76,7 @@ def start_above(terrain: Terrain, tile: Tile) -> tuple[float, float, float] | No
     return float(places[deepest, 0]), float(places[deepest, 1]), START_Z_M
 
 
-def window_m(base: Scenario, area_m: NDArray[np.float64]) -> tuple[tuple[float, float], tuple[float, float]]:
+def window_m(base: Scenario, area_m: Floats) -> tuple[tuple[float, float], tuple[float, float]]:
     """Return two opposite corners of the part of the terrain that a tile survey may see."""
     sonar = base.vehicles[0].sonar
     reach_m = MARGIN_M + sonar.loaded.band(sonar.frequency_hz).range_max_m

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwsim.base.arrays import Floats
 from uwsim.campaigns.sweeps.spec import MAX_RUNS, Seeds, SweepSpec
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.variation import Level, Variation, choices, level_at
@@ -78,7 +78,7 @@ def _rounded(level: Level) -> Level:
     return Level(value, value)
 
 
-def _unit_samples(spec: SweepSpec) -> NDArray[np.float64]:
+def _unit_samples(spec: SweepSpec) -> Floats:
     """Return points (samples, variations) in the unit cube; all except random ones are drawn by scipy.stats.qmc."""
     random, width, count = np.random.default_rng(spec.seed), len(spec.vary), spec.samples or 1
     if spec.method == "random":
@@ -92,7 +92,7 @@ def _unit_samples(spec: SweepSpec) -> NDArray[np.float64]:
     return saltelli(np.asarray(qmc.Sobol(2 * width, rng=random).random(count)))
 
 
-def saltelli(pairs: NDArray[np.float64]) -> NDArray[np.float64]:
+def saltelli(pairs: Floats) -> Floats:
     """Return the points of Saltelli et al. (2010), Comput. Phys. Commun. 181, table 2, from pairs (n, 2 d) of points.
 
     The result is (n (d + 2), d): n points A, n points B, then for each variation i the points A with column i of B.

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwsim.base.arrays import Floats
 from uwsim.base.named import did_you_mean
 from uwsim.campaigns.sweeps.design import Run
 from uwsim.campaigns.sweeps.spec import Limits, Objective
@@ -76,7 +76,7 @@ class Rows:
         """Return the number of runs that did not fail, but have no value of a metric, such as after an early end."""
         return sum(not row["error"] and row.get(metric) is None for row in self.rows)
 
-    def numbers(self, column: str) -> NDArray[np.float64]:
+    def numbers(self, column: str) -> Floats:
         """Return a column (n,) as numbers, with NaN for rows without one, such as failed runs."""
         values = [row.get(column) for row in self.rows]
         return np.array([float(v) if isinstance(v, bool | int | float) else np.nan for v in values], np.float64)

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.stats import spearmanr
 
+from uwsim.base.arrays import Floats
 from uwsim.campaigns.sweeps.rows import Rows
 from uwsim.campaigns.sweeps.spec import SweepSpec
 
@@ -29,7 +29,7 @@ class Sensitivity:
     metrics: list[str]
     varied: list[str]
     kinds: list[str]
-    values: NDArray[np.float64]
+    values: Floats
 
 
 @dataclass(frozen=True)
@@ -97,7 +97,7 @@ def sobol_indices_of(spec: SweepSpec, rows: Rows, metrics: Sequence[str]) -> lis
     return found
 
 
-def _means_by_sample(rows: Rows, metric: str, count: int) -> NDArray[np.float64]:
+def _means_by_sample(rows: Rows, metric: str, count: int) -> Floats:
     samples, values = np.array([row["sample"] for row in rows.rows], int), rows.numbers(metric)
     sums, numbers = np.bincount(samples, values, count), np.bincount(samples, minlength=count)
     return np.asarray(np.divide(sums, numbers, out=np.full(count, np.nan), where=numbers > 0))

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.base.arrays import Floats
 from uwsim.recording.real_flights.deep_water import STEP_S
 
-Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 REACH_S = 2.0  # changes this far outside a segment may still take effect in it: delays and shifts are shorter
 MOST_SHIFTS = 40
@@ -30,13 +30,13 @@ class Segment:
     by how much.
     """
 
-    first: Array
-    ticks: Array
-    changes: Array
+    first: Floats
+    ticks: Floats
+    changes: Floats
     shifting: Indices
-    sd_s: Array
+    sd_s: Floats
 
-    def efforts(self, delay_ticks: int, shift_ticks: NDArray[np.int64], count: int) -> Array:
+    def efforts(self, delay_ticks: int, shift_ticks: NDArray[np.int64], count: int) -> Floats:
         """Return the efforts (count, 2 + m, 6) in each step.
 
         delay_ticks: by which changes are late; shift_ticks (m,): instead, for those that may shift. Of the efforts, the
@@ -50,7 +50,7 @@ class Segment:
         later = [base, base + fixed, *(base + (np.arange(len(base)) == k) for k in self.shifting)]
         return np.clip(np.stack([self._held(ticks, count) for ticks in later], axis=1), -1.0, 1.0)
 
-    def _held(self, ticks: Array, count: int) -> Array:
+    def _held(self, ticks: Floats, count: int) -> Floats:
         low = np.floor(ticks)
         share = (ticks - low)[:, None]
         total = np.zeros((count + 1, self.changes.shape[1]))
@@ -60,7 +60,7 @@ class Segment:
 
 
 def segment_of(
-    times_s: Array, efforts: Array, sd_s: Array, start_s: float, end_s: float, step_s: float = STEP_S
+    times_s: Floats, efforts: Floats, sd_s: Floats, start_s: float, end_s: float, step_s: float = STEP_S
 ) -> Segment:
     """Return the changes near a segment from the times (n,), efforts (n, 6) and deviations (n,) of a log's commands."""
     near = slice(*np.searchsorted(times_s, (start_s - REACH_S, end_s + REACH_S)))

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from uwsim.base.arrays import Floats
 from uwsim.batch import Batch
 from uwsim.evidence.identification import command_times
 from uwsim.evidence.identification.unknowns import DELAY, Unknown, parameters_at
@@ -26,7 +27,6 @@ from uwsim.recording.real_flights.motion import TILT, MotionLog, command
 from uwsim.scenario import VehicleModel
 from uwsim.scenario.build.hull import is_boat
 
-Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 START_SPREADS = np.repeat((0.5, 0.2, 0.5, 0.5), 3)  # of a segment's initial state [m, rad, m/s, rad/s]
 OUTPUTS = 12
@@ -54,7 +54,7 @@ class Part:
     ticks: Indices
     low: Indices
     high: Indices
-    share: Array
+    share: Floats
     columns: Indices
 
     @property
@@ -69,7 +69,7 @@ class Block:
 
     rows: Indices
     columns: Indices
-    slopes: Array
+    slopes: Floats
 
 
 class Flown:
@@ -108,7 +108,7 @@ class Flown:
         self._members = 1 + 2 * self._moved + self._shifts
         self._delay = next((k for k, unknown in enumerate(found) if unknown.name == DELAY), None)
         self._last_z = np.empty(0)
-        self._last: tuple[Array, list[Block]] = (np.empty(0), [])
+        self._last: tuple[Floats, list[Block]] = (np.empty(0), [])
         folder = Path(tempfile.mkdtemp(prefix="uwsim-"))
         finalize(self, rmtree, folder, ignore_errors=True)  # members reread the hull when its centre changes
         scenario = in_deep_water(model, density_kg_m3, folder, self._step_s)
@@ -117,7 +117,7 @@ class Flown:
         self._batch = Batch(scenario, n=self._members, threads=threads)
         self._begin = [self._measured_start(part.rows[0]) for part in self._parts]
 
-    def outputs(self, z: Array) -> tuple[Array, list[Block]]:
+    def outputs(self, z: Floats) -> tuple[Floats, list[Block]]:
         """Return residuals (n, 12) against the log, NaN where it has none, and their derivatives by segment.
 
         Columns: position [m], attitude [rad], velocity [m/s], rate [rad/s]. The result for the last z is cached. Raises
@@ -127,7 +127,7 @@ class Flown:
             self._last, self._last_z = self._simulated(z), z.copy()
         return self._last
 
-    def _simulated(self, z: Array) -> tuple[Array, list[Block]]:
+    def _simulated(self, z: Floats) -> tuple[Floats, list[Block]]:
         p = len(self.found)
         values = np.tile(z[:p], (self._members, 1))
         for sign, nudged in self._nudged():
@@ -149,7 +149,7 @@ class Flown:
         """Return the members whose unknowns, then starts, differ: by +1 and by -1 difference."""
         return (1, slice(1, 1 + self._moved)), (-1, slice(1 + self._moved, 1 + 2 * self._moved))
 
-    def _segment(self, part: Part, z: Array, shifts: Array) -> tuple[Array, Array]:
+    def _segment(self, part: Part, z: Floats, shifts: Floats) -> tuple[Floats, Floats]:
         """Return the residuals (r, 12) of a segment and their derivatives (r, 12, c).
 
         Commands take effect at steps. Between two steps, the motion is interpolated linearly from one simulation with
@@ -173,7 +173,7 @@ class Flown:
             change[..., self._delay] += change[..., m:].sum(axis=-1)
         return residual, np.nan_to_num(change / nudges)
 
-    def _misses(self, part: Part, delay_ticks: int, shift_ticks: NDArray[np.int64]) -> Array:
+    def _misses(self, part: Part, delay_ticks: int, shift_ticks: NDArray[np.int64]) -> Floats:
         """Return the differences (r, members, 12) between the simulated and the measured motion."""
         efforts = part.commands.efforts(delay_ticks, shift_ticks, part.steps)
         variant = np.zeros(self._members, np.intp)
@@ -197,7 +197,7 @@ class Flown:
         at, share = self._compared(part.rows, states[part.low]), part.share[:, None, None]
         return at if (part.low == part.high).all() else at + share * (self._compared(part.rows, states[part.high]) - at)
 
-    def _compared(self, rows: Indices, states: Array) -> Array:
+    def _compared(self, rows: Indices, states: Floats) -> Floats:
         """Return the differences (r, members, 12) of states (r, members, 13) from the measured rows."""
         log = self._log
         turned = Rotation.from_quat(states[..., 3:7].reshape(-1, 4))
@@ -207,14 +207,14 @@ class Flown:
         position = states[..., :3] - (log.position_m[rows] + self._origin_m)[:, None]
         return np.concatenate([position, off, states[..., 7:] - log.velocity_body[rows][:, None]], axis=-1)
 
-    def _measured_start(self, row: np.intp) -> Array:
+    def _measured_start(self, row: np.intp) -> Floats:
         """Return the measured state (13,) in a row; 0 for coordinates and velocities that were not measured."""
         log = self._log
         position_m = log.position_m[row] + self._origin_m
         position_m = np.where(np.isfinite(position_m), position_m, self._start_m)
         return np.concatenate([position_m, log.orientation_xyzw[row], np.nan_to_num(log.velocity_body[row])])
 
-    def _placed(self, segment: int, start: Array) -> Array:
+    def _placed(self, segment: int, start: Floats) -> Floats:
         state, shift = self._begin[segment], START_SPREADS * start
         attitude = (Rotation.from_quat(state[3:7]) * Rotation.from_rotvec(shift[3:6])).as_quat()
         return np.concatenate([state[:3] + shift[:3], attitude, state[7:] + shift[6:]])
@@ -250,7 +250,7 @@ def parts_of(log: MotionLog, unknowns: int, segment_s: float, most: int | None, 
     return parts
 
 
-def _first(position_m: Array) -> Array:
+def _first(position_m: Floats) -> Floats:
     """Return the first known value of each coordinate, 0 if none is known."""
     known = np.isfinite(position_m)
     return np.where(known.any(axis=0), position_m[np.argmax(known, axis=0), [0, 1, 2]], 0.0)

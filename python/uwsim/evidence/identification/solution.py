@@ -17,10 +17,10 @@ from functools import reduce
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import least_squares
 from scipy.stats import norm
 
+from uwsim.base.arrays import Floats
 from uwsim.base.short_repr import ShortRepr
 from uwsim.evidence.identification.flown import OUTPUTS, Block, Flown
 from uwsim.evidence.identification.unknowns import Place, Unknown, numbers_at, unknowns
@@ -31,7 +31,6 @@ from uwsim.scenario.build.hull import is_boat
 from uwsim.scenario.build.vehicle import completed
 from uwsim.scenario.spec.fields import Model
 
-Array = NDArray[np.float64]
 NORMAL_95 = float(norm.ppf(0.975))
 FIRST_NOISE, LEAST_NOISE = np.repeat((0.05, 0.02, 0.05, 0.05), 3), np.full(12, 1e-4)
 GROUPS = ("position", "attitude", "velocity", "rate")
@@ -79,10 +78,10 @@ class Identified(ShortRepr):
 
     values: dict[str, Value]
     undetermined: list[tuple[float, dict[str, float]]]
-    residuals: Array
-    noise: Array
-    correlation: Array
-    times_s: Array
+    residuals: Floats
+    noise: Floats
+    correlation: Floats
+    times_s: Floats
     model: VehicleModel
     numbers: dict[Place, float]
     premises: tuple[str, ...]
@@ -131,8 +130,8 @@ def identify(
         weighted = (block.slopes / wide[:, None])[np.isfinite(residuals[block.rows])]
         information[np.ix_(block.columns, block.columns)] += weighted.T @ weighted
     p = len(found)
-    covariance: Array = np.asarray(np.linalg.inv(information + np.eye(flown.size))[:p, :p], np.float64)
-    left: Array = np.asarray(np.sqrt(np.diag(covariance)), np.float64)
+    covariance: Floats = np.asarray(np.linalg.inv(information + np.eye(flown.size))[:p, :p], np.float64)
+    left: Floats = np.asarray(np.sqrt(np.diag(covariance)), np.float64)
     own = numbers_at(found, np.zeros(p))
     numbers = {place: n for place, n in numbers_at(found, _kept(z[:p], covariance, left)).items() if n != own[place]}
     return Identified(
@@ -168,11 +167,11 @@ def _premises(model: VehicleModel, found: list[Unknown], added: tuple[str, ...])
     return tuple(lines)
 
 
-def _solved(flown: Flown, z: Array, scale: Array, tolerance: float) -> Array:
+def _solved(flown: Flown, z: Floats, scale: Floats, tolerance: float) -> Floats:
     """Return the solution for this noise, starting at z. tolerance: relative change of the cost at which to stop."""
-    cache: dict[bytes, tuple[Array, Array]] = {}
+    cache: dict[bytes, tuple[Floats, Floats]] = {}
 
-    def both(at: Array) -> tuple[Array, Array]:
+    def both(at: Floats) -> tuple[Floats, Floats]:
         key = at.tobytes()
         if key not in cache:
             cache.clear()
@@ -187,7 +186,7 @@ def _solved(flown: Flown, z: Array, scale: Array, tolerance: float) -> Array:
             last[:] = [cache[key]]
         return cache[key]
 
-    last: list[tuple[Array, Array]] = []
+    last: list[tuple[Floats, Floats]] = []
     found: Any = least_squares(
         lambda at: both(at)[0],
         z,
@@ -200,7 +199,7 @@ def _solved(flown: Flown, z: Array, scale: Array, tolerance: float) -> Array:
     return np.asarray(found.x, np.float64)
 
 
-def _compressed(residuals: Array, blocks: list[Block], scale: Array, z: Array, p: int) -> tuple[Array, Array]:
+def _compressed(residuals: Floats, blocks: list[Block], scale: Floats, z: Floats, p: int) -> tuple[Floats, Floats]:
     """Return fewer rows with the same sums of squares and products, and the prior's, by QR: first of each segment.
 
     p: the number of unknowns that concern all segments.
@@ -212,7 +211,7 @@ def _compressed(residuals: Array, blocks: list[Block], scale: Array, z: Array, p
         each = (block.slopes / scale[:, None])[rows]
         found = np.column_stack([each[:, p:], each[:, :p], (residuals[block.rows] / scale)[rows]])
         prior = np.column_stack([np.eye(len(own)), np.zeros((len(own), p)), z[own]])
-        triangle: Array = np.asarray(np.linalg.qr(np.vstack([found, prior]), "r"), np.float64)
+        triangle: Floats = np.asarray(np.linalg.qr(np.vstack([found, prior]), "r"), np.float64)
         kept = np.zeros((len(own), len(z)))
         kept[:, own], kept[:, :p] = triangle[: len(own), : len(own)], triangle[: len(own), len(own) : -1]
         slopes.append(kept)
@@ -223,20 +222,20 @@ def _compressed(residuals: Array, blocks: list[Block], scale: Array, z: Array, p
     return np.concatenate([*misfits, triangle[:, -1]]), np.vstack(slopes)
 
 
-def _given_noise(log: MotionLog) -> Array:
+def _given_noise(log: MotionLog) -> Floats:
     for key, value in log.noise.items():
         if key not in GROUPS or not (np.isfinite(value) and value > 0):
             raise ValueError(f"noise.{key} = {value}: must be positive, for one of {', '.join(GROUPS)}")
     return np.repeat([log.noise.get(group, np.nan) for group in GROUPS], 3)
 
 
-def _rms(residuals: Array) -> Array:
+def _rms(residuals: Floats) -> Floats:
     counts = np.isfinite(residuals).sum(axis=0)
     sums = np.nansum(residuals**2, axis=0)
     return np.where(counts > 0, np.maximum(np.sqrt(sums / np.maximum(counts, 1)), LEAST_NOISE), 1.0)
 
 
-def _lag_one(residuals: Array) -> Array:
+def _lag_one(residuals: Floats) -> Floats:
     """Return the correlations (12,) between successive residuals, from 0 to 0.95."""
     found = np.zeros(OUTPUTS)
     for k in range(OUTPUTS):
@@ -247,7 +246,7 @@ def _lag_one(residuals: Array) -> Array:
     return np.where(found > noise, np.minimum(found, 0.95), 0.0)
 
 
-def _values(found: list[Unknown], z: Array, spread: Array) -> dict[str, Value]:
+def _values(found: list[Unknown], z: Floats, spread: Floats) -> dict[str, Value]:
     values = {}
     for unknown, at, sd in zip(found, z, spread, strict=False):
         ends = (unknown.at(at - NORMAL_95 * sd), unknown.at(at + NORMAL_95 * sd))
@@ -257,7 +256,7 @@ def _values(found: list[Unknown], z: Array, spread: Array) -> dict[str, Value]:
     return values
 
 
-def _undetermined(found: list[Unknown], information: Array) -> list[tuple[float, dict[str, float]]]:
+def _undetermined(found: list[Unknown], information: Floats) -> list[tuple[float, dict[str, float]]]:
     """Return the directions in which the log contributes less than the prior, with the starts eliminated."""
     p = len(found)
     starts = information[p:, p:] + np.eye(len(information) - p)
@@ -273,7 +272,7 @@ def _undetermined(found: list[Unknown], information: Array) -> list[tuple[float,
     return undetermined
 
 
-def _kept(z: Array, covariance: Array, left: Array) -> Array:
+def _kept(z: Floats, covariance: Floats, left: Floats) -> Floats:
     """Return z (p,) with the quantities that the log does not determine at the file's values.
 
     The others are the most likely ones given that (the mean of a conditional normal distribution).

@@ -14,12 +14,11 @@ from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwsim.base.arrays import Floats
 from uwsim.base.axes import AXES
 from uwsim.scenario.spec.vehicle import VehicleModel
 
-Array = NDArray[np.float64]
 MatrixKey = Literal["added_mass", "linear_damping", "quadratic_damping"]
 
 SPREADS = {  # prior standard deviations; of the logarithm for positive quantities
@@ -182,17 +181,17 @@ def _unknown(
     return Unknown(name, unit, value, SPREADS[group], group not in SIGNED, names, places, coupled)
 
 
-def parameters_at(found: list[Unknown], z: Array) -> dict[str, float]:
+def parameters_at(found: list[Unknown], z: Floats) -> dict[str, float]:
     """Return the simulator's parameters at z (n,)."""
     return _numbers(found, z, lambda each: each.names, 0)
 
 
-def numbers_at(found: list[Unknown], z: Array) -> dict[Place, float]:
+def numbers_at(found: list[Unknown], z: Floats) -> dict[Place, float]:
     """Return the numbers in the vehicle's file at z (n,), by place."""
     return _numbers(found, z, lambda each: each.places, 1)
 
 
-def _numbers(found: list[Unknown], z: Array, own: Callable[[Unknown], tuple[Any, ...]], kind: int) -> dict[Any, float]:
+def _numbers(found: list[Unknown], z: Floats, own: Callable[[Unknown], tuple[Any, ...]], kind: int) -> dict[Any, float]:
     values: dict[Any, float] = {}
     for each, at in zip(found, z, strict=True):
         value = each.at(float(at))

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
+from uwsim.base.arrays import Floats
 from uwsim.evidence.reproduce.figure import Figure
 from uwsim.figures.style import ACCENT, FAINT_INK, INK, new_figure, save_figure
 from uwsim.scenario.build.hull import hull_placement, vehicle_hull
@@ -28,8 +29,6 @@ from uwsim.simulator.simulator import Simulator
 MOVEMENTS = (("surge", "roll"), ("sway", "pitch"), ("heave", "yaw"))
 LIGHT = np.array([0.35, -0.55, 0.76])
 TARGET, AWAY_M, REACH_M = "gate_1", 9.0, 20.0
-
-Floats = NDArray[np.float64]
 
 
 def movements(sim: Simulator, path: Path, size: float = 1.0) -> Figure:

@@ -12,6 +12,7 @@ from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
 from uwsim import _core
+from uwsim.base.arrays import Floats
 from uwsim.channels import channels
 from uwsim.channels.ros import build
 from uwsim.channels.table import ORIGINS
@@ -78,16 +79,14 @@ class Flight:
         return self._table[topic].read(self._live.simulator)
 
 
-def _matrix(pose: Any) -> NDArray[np.float64]:
+def _matrix(pose: Any) -> Floats:
     matrix, turn = np.eye(4), pose.orientation
     matrix[:3, :3] = Rotation.from_quat([turn.x, turn.y, turn.z, turn.w]).as_matrix()
     matrix[:3, 3] = pose.position.x, pose.position.y, pose.position.z
     return matrix
 
 
-def bed_share(
-    world: _core.World, track_m: NDArray[np.float64], voxels_m: NDArray[np.float64], range_max_m: float
-) -> float:
+def bed_share(world: _core.World, track_m: Floats, voxels_m: Floats, range_max_m: float) -> float:
     """Return the mapped fraction of the bed within sonar range of a track; all positions (n, 3), world frame.
 
     The bed is sampled every metre; a sample is mapped if the centre of an occupied voxel is within half a metre.

@@ -10,6 +10,7 @@ from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from uwsim.base.arrays import Floats
 from uwsim.evidence.reproduce.figure import Figure
 from uwsim.figures.contact_sheet import contact_sheet
 from uwsim.figures.style import INK, new_figure, save_figure
@@ -33,8 +34,6 @@ WATER_INDEX = 1.33
 """Refractive index of fresh water, 20 deg C, 589 nm (Hale and Querry 1973, Applied Optics 12:555)."""
 POINTS = 400  # of each part, of which the label marks one that is visible
 NEAR_M = 0.5  # a ray that ends so near a point sees it
-
-Floats = NDArray[np.float64]
 
 
 def place(sim: Simulator, where: Place) -> None:

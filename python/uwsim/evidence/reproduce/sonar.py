@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.transforms import Bbox
 from numpy.typing import NDArray
 
+from uwsim.base.arrays import Floats
 from uwsim.evidence.reproduce.figure import Figure
 from uwsim.evidence.reproduce.scenes import BEFORE_THE_GATE, CLEAR, Place, eye_of, place, project
 from uwsim.evidence.validate.sonars.instrument import half_detected_m
@@ -147,7 +148,7 @@ def ping(sim: Simulator, path: Path) -> Figure:
     )  # fmt: skip
 
 
-def _in_front(camera: Camera, depth_m: NDArray[np.float32], points_m: NDArray[np.float64]) -> NDArray[np.bool_]:
+def _in_front(camera: Camera, depth_m: NDArray[np.float32], points_m: Floats) -> NDArray[np.bool_]:
     """Return which points (n, 3) lie in a picture with depths (height, width) and no farther than these; (n,)."""
     ahead_m = (points_m - eye_of(camera)) @ camera.world_from_camera[:3, 0]
     pixels = np.nan_to_num(project(camera, points_m), nan=-1.0)

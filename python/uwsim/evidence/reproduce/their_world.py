@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwsim.base.arrays import Floats
 from uwsim.base.atomic_file import write_atomically
 from uwsim.base.texts.yaml_document import read_yaml
 from uwsim.evidence.reproduce.movement_and_ray import AWAY_M, Gate, gate_of
@@ -134,7 +134,7 @@ def _length_m(sim: Simulator) -> float:
     return float(np.ptp(hull_m(sim), axis=0).max())
 
 
-def hull_m(sim: Simulator) -> NDArray[np.float64]:
+def hull_m(sim: Simulator) -> Floats:
     """Return the points (n, 3) of the first vehicle's hull, body frame."""
     return vehicle_hull(sim.scenario.vehicles[0].model)[0]
 

@@ -8,10 +8,10 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from uwsim import _core
+from uwsim.base.arrays import Floats
 from uwsim.evidence.vehicle.figures import VehicleFigures, vehicle_figures
 from uwsim.scenario import Terrain, VehicleEntry, build_terrain, start_pose
 from uwsim.scenario.build.camera import core_optics
@@ -35,8 +35,6 @@ CURRENT_SHARE, CURRENT_TIMES = 0.9, 97
 """The current at a start: the speed not exceeded for this share of the mission, sampled at this many times."""
 
 TOUCHING_M = 0.001
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwsim.base.arrays import Floats
 from uwsim.evidence.scenario_check.scene import ObstacleScene, Scene, VehicleScene
 from uwsim.evidence.vehicle.surprises import vehicle_surprises
 from uwsim.missions.heights import HIGHEST_Z_M
@@ -185,7 +185,7 @@ def _of_survey(sim: Simulator) -> Iterator[str]:
         )
 
 
-def _deepest_m(sim: Simulator, corners_m: NDArray[np.float64]) -> float:
+def _deepest_m(sim: Simulator, corners_m: Floats) -> float:
     """Return the largest depth of the bed on a grid over the bounding box of a survey's area."""
     axes = [np.linspace(low, high, 41) for low, high in zip(corners_m.min(axis=0), corners_m.max(axis=0), strict=True)]
     beds_m = sim.world.height_at(np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, 2))

@@ -6,15 +6,14 @@ Each law is measured in pictures of a small world: a grey wall, a level plate, a
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from uwsim import _core
+from uwsim.base.arrays import Floats
 from uwsim.evidence.validate.check import Check, along, relative, within
 from uwsim.evidence.validate.peers import focused_light
 from uwsim.evidence.validate.pictures import BANDS, NIGHT_DEG, Light, View, box_scene
 
-Floats = NDArray[np.float64]
 TYPES = ("I", "III", "5C")
 
 

@@ -13,6 +13,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from uwsim.base.arrays import Floats
+
 
 class Curve(NamedTuple):
     """Expected and computed values along x (n,), numbers or names. lines: (n,) each, by name, the expected one first.
@@ -21,7 +23,7 @@ class Curve(NamedTuple):
     """
 
     x: NDArray[Any]
-    lines: Mapping[str, NDArray[np.float64]]
+    lines: Mapping[str, Floats]
     across: str = "time [s]"
     up: str = ""
     title: str = ""

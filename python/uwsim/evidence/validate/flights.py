@@ -7,7 +7,8 @@ from contextvars import ContextVar
 
 import numpy as np
 
-from uwsim.evidence.validate.motion.reference_solution import Array, Flight
+from uwsim.base.arrays import Floats
+from uwsim.evidence.validate.motion.reference_solution import Flight
 from uwsim.scenario import Scenario, VehicleModel
 from uwsim.scenario.spec.vehicle import Trim
 from uwsim.simulator.simulator import Simulator
@@ -37,12 +38,12 @@ def deep_scenario(
     })  # fmt: skip
 
 
-def times(duration_s: float) -> Array:
+def times(duration_s: float) -> Floats:
     """Return the sample times from 0 to duration_s."""
     return np.linspace(0.0, duration_s, round(duration_s / SAMPLE_S) + 1)
 
 
-def fly(sim: Simulator, velocity_body: Sequence[float] | Array, duration_s: float) -> Flight:
+def fly(sim: Simulator, velocity_body: Sequence[float] | Floats, duration_s: float) -> Flight:
     """Return the motion from START_M, starting level with velocity_body (6,), under the current efforts."""
     rov = sim.rov
     rov.place(START_M, velocity_body=np.asarray(velocity_body, np.float64))
@@ -60,7 +61,7 @@ def fly(sim: Simulator, velocity_body: Sequence[float] | Array, duration_s: floa
     )
 
 
-def attitude_error_rad(got: Array, expected: Array) -> Array:
+def attitude_error_rad(got: Floats, expected: Floats) -> Floats:
     """Return the angles (n,) between attitudes (n, 3, 3)."""
     between = np.einsum("nji,njk->nik", expected, got)
     axis = np.stack([between[:, (k + 2) % 3, (k + 1) % 3] - between[:, (k + 1) % 3, (k + 2) % 3] for k in range(3)], -1)

@@ -6,8 +6,8 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwsim.base.arrays import Floats
 from uwsim.evidence.validate.check import Check, at_most
 from uwsim.evidence.validate.flights import deep_water
 from uwsim.evidence.validate.step_responses import PERIOD_S
@@ -15,7 +15,6 @@ from uwsim.navigation.control import Controller, EstimateLike, PathFollower
 from uwsim.scenario import Scenario, VehicleModel
 from uwsim.simulator.simulator import Simulator
 
-Array = NDArray[np.float64]
 MEAN_M_S, RMS_M_S, CORRELATION_S = 0.5, 0.2, 10.0  # mean eastward, horizontal gusts; assumed
 SETTLE_S, HOLD_S = 20.0, 120.0
 START_M, BED_DEPTH_M = (0.0, 0.0, -20.0), 25.0  # the bed is within the DVL's range
@@ -50,7 +49,7 @@ def gusty_water(model: VehicleModel, seed: int, station_m: Sequence[float] = NEA
     }))  # fmt: skip
 
 
-def station_keeping(sim: Simulator, estimate: EstimateLike, for_s: float = SETTLE_S + HOLD_S) -> Array:
+def station_keeping(sim: Simulator, estimate: EstimateLike, for_s: float = SETTLE_S + HOLD_S) -> Floats:
     """Keep station, facing along the mean current; return the true errors (n,) [m] in position after SETTLE_S."""
     controller = Controller(sim.rov, PERIOD_S, estimate=estimate)
     away = []
@@ -61,7 +60,7 @@ def station_keeping(sim: Simulator, estimate: EstimateLike, for_s: float = SETTL
     return np.array(away[round(SETTLE_S / PERIOD_S) :])
 
 
-def path_at_speed(sim: Simulator, estimate: EstimateLike) -> tuple[Array, Array]:
+def path_at_speed(sim: Simulator, estimate: EstimateLike) -> tuple[Floats, Floats]:
     """Fly a zigzag at 1 m/s over ground; return the true cross-track error [m] and speed along the path [m/s], (n,).
 
     Sections within CORNER_M after a corner are excluded.
@@ -87,13 +86,13 @@ def path_at_speed(sim: Simulator, estimate: EstimateLike) -> tuple[Array, Array]
     return np.array(across), np.array(speeds)
 
 
-def _corners() -> Array:
+def _corners() -> Floats:
     """Return the corners of the zigzag, (LEGS + 1, 3)."""
     step_m = LEG_M / math.sqrt(2.0)
     return np.array([(k * step_m, (k % 2) * step_m, START_M[2]) for k in range(LEGS + 1)])
 
 
-def rms(values: Array) -> float:
+def rms(values: Floats) -> float:
     """Return the root mean square."""
     return float(np.sqrt(np.mean(np.square(values))))
 

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from uwsim.base.arrays import Floats
 from uwsim.batch import Batch
 from uwsim.evidence.identification import Identified, MotionLog, identify
 from uwsim.evidence.identification.unknowns import DELAY, parameters_at, unknowns
@@ -22,7 +23,6 @@ from uwsim.recording.real_flights.deep_water import STEP_S
 from uwsim.recording.real_flights.motion import sampled
 from uwsim.scenario import VehicleModel, load_vehicle
 
-Array = NDArray[np.float64]
 GROUP = "identification"
 LOGS = 4  # each takes about 10 s of processor time; `coverage(20)` is the trial that docs/guides/identify.md reports
 DURATION_S, ROW_STEPS = 10.0, 20
@@ -98,7 +98,7 @@ def true_log(seed: int, model: VehicleModel | None = None, *, duration_s: float 
     return TrueLog(MotionLog(times_s, position_m, turned, velocity, *commands[:2], {}, commands[2]), truth)
 
 
-def _rows(batch: Batch, ticks: NDArray[np.int64], efforts: Array, steps: int) -> Array:
+def _rows(batch: Batch, ticks: NDArray[np.int64], efforts: Floats, steps: int) -> Floats:
     """Return the states (n, 13), one every ROW_STEPS steps, with the efforts that begin at these ticks."""
     begins = dict(zip(ticks.tolist(), efforts, strict=True))
     held, rows = np.zeros(6), []

@@ -6,13 +6,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from uwsim import _core
+from uwsim.base.arrays import Floats
 from uwsim.base.whole_trimesh import trimesh
 
-Floats = NDArray[np.float64]
 BANDS = ("red", "green", "blue")
 NIGHT_DEG = -6.0
 SIDE = 33

@@ -7,8 +7,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwsim.base.arrays import Floats
 from uwsim.base.axes import AXES
 from uwsim.evidence.validate.check import Curve
 from uwsim.evidence.validate.flights import START_M, deep_water
@@ -17,7 +17,6 @@ from uwsim.scenario import VehicleModel
 from uwsim.simulator.simulator import Simulator
 from uwsim.simulator.vehicle import Vehicle
 
-Array = NDArray[np.float64]
 PERIOD_S, DURATION_S, STEADY_S, SETTLE_S = 0.05, 30.0, 5.0, 20.0
 CRUISE_M_S = 1.5  # about 3 knots, at which such AUVs cruise
 SETTLED = 0.05  # share of the step
@@ -39,7 +38,7 @@ class Step:
     under_way_m_s: float = 0.0
 
 
-def _at(x_m: float = 0.0, y_m: float = 0.0, z_m: float = 0.0) -> Array:
+def _at(x_m: float = 0.0, y_m: float = 0.0, z_m: float = 0.0) -> Floats:
     return np.add(START_M, (x_m, y_m, z_m), dtype=np.float64)
 
 
@@ -92,8 +91,8 @@ class StepResponse:
 
     vehicle: str
     step: Step
-    times_s: Array
-    values: Array
+    times_s: Floats
+    values: Floats
 
     @property
     def rise_s(self) -> float:

@@ -8,10 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.base.arrays import Floats
 from uwsim.exchange.hulls.hull_drag import corners_and_crossed, hull_drag
 from uwsim.scenario.build.hydrodynamics import added_mass_by_steps, added_mass_of_ellipsoid
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from uwsim import _core
+from uwsim.base.arrays import Floats
 from uwsim.base.axes import AXES
 from uwsim.evidence.vehicle.afloat import boat_at_rest
 from uwsim.evidence.vehicle.linear_motion import course_growth_1_s, model_motion
@@ -19,7 +19,6 @@ from uwsim.scenario.build.earth import STANDARD_M_S2
 from uwsim.scenario.build.hull import RigidBody, rigid_body, vehicle_hull
 from uwsim.scenario.spec.vehicle import Trim, VehicleModel
 
-Floats = NDArray[np.float64]
 NO_LEVER_M = 1e-3
 """Distance between the centres of mass and buoyancy below which righting moments are negligible."""
 UNDER_WAY_M_S = 1.5

@@ -5,15 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from uwsim import _core
+from uwsim.base.arrays import Floats
 from uwsim.base.axes import AXES
 from uwsim.scenario.build.craft import craft, mass_properties
 from uwsim.scenario.build.equipment import actuators_spec
 from uwsim.scenario.spec.vehicle import Trim, VehicleModel
 
-Floats = NDArray[np.float64]
 STATES = (*AXES, "roll angle", "pitch angle")
 DEEP_M = 1000.0
 STEP = 1e-6

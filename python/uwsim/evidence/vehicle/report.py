@@ -6,8 +6,8 @@ from dataclasses import asdict, dataclass, fields, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwsim.base.arrays import Floats
 from uwsim.base.axes import AXES
 from uwsim.evidence.vehicle.estimates import Estimates, estimates
 from uwsim.evidence.vehicle.figures import VehicleFigures
@@ -20,7 +20,6 @@ from uwsim.scenario.build.hull import vehicle_hull
 from uwsim.scenario.spec.vehicle import VehicleModel
 from uwsim.simulator.simulator import Simulator
 
-Floats = NDArray[np.float64]
 COMPARED_AT_M_S = 1.0
 RANK_TOLERANCE = 1e-6
 

@@ -6,8 +6,8 @@ import warnings
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwsim.base.arrays import Floats
 from uwsim.base.axes import AXES
 from uwsim.base.quaternions import heading_rad
 from uwsim.batch.batch import Batch
@@ -19,7 +19,6 @@ from uwsim.scenario import Scenario, VehicleModel
 from uwsim.scenario.spec.vehicle import Trim
 from uwsim.simulator.simulator import Simulator
 
-Floats = NDArray[np.float64]
 TOWED_M, FREE_M = -100.0, -500.0
 """Depths of the trials; a hull in free flight may climb or dive far."""
 HOLD_S, LONGEST_S, SETTLED = 0.02, 600.0, 3e-4

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.spatial import ConvexHull
 
 from uwsim import _core
+from uwsim.base.arrays import Floats
 from uwsim.base.quaternions import of_yaw_pitch_roll_deg, turned
 from uwsim.instruments.sonars.imaging import Acoustics, ForwardLooking, SideScan
 from uwsim.scenario.build.hull import hull_scene, vehicle_hull
@@ -20,7 +21,6 @@ from uwsim.scenario.spec.vehicle import VehicleModel
 from uwsim.simulator.simulator import Simulator
 from uwsim.simulator.vehicle import Vehicle
 
-Floats = NDArray[np.float64]
 AHEAD, DOWN, BLIND = np.array([[1.0, 0.0, 0.0]]), np.array([[0.0, 0.0, -1.0]]), np.zeros((0, 3))
 DVL_BEAMS = 4
 ACROSS, UP = 64, 24

@@ -10,11 +10,12 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
+from uwsim.base.arrays import Floats
 from uwsim.evidence.validate.check import Check, along
 from uwsim.evidence.validate.flights import START_M, deep_water
 from uwsim.evidence.validate.motion.published import PUBLISHED
 from uwsim.evidence.validate.motion.published_thrusters import Propeller
-from uwsim.evidence.validate.motion.reference_solution import Array, resistance
+from uwsim.evidence.validate.motion.reference_solution import resistance
 from uwsim.scenario import VehicleModel, load_vehicle
 from uwsim.scenario.spec.actuator import Control
 from uwsim.simulator.simulator import Simulator
@@ -57,10 +58,10 @@ class Probe:
 
     def wrench(
         self,
-        velocity: Sequence[float] | Array = STILL,
+        velocity: Sequence[float] | Floats = STILL,
         at_m: Sequence[float] = START_M,
         attitude_xyzw: Sequence[float] = LEVEL,
-    ) -> Array:
+    ) -> Floats:
         """Return the actuator wrench (6,): M x the acceleration difference + half of the resistance difference."""
         after = []
         for sim in (self._driven, self._bare):
@@ -72,7 +73,7 @@ class Probe:
         return np.asarray(rate + 0.5 * (driven - bare))
 
 
-def wrench_checks(group: str, name: str, expected: Array, got: Array) -> Iterator[Check]:
+def wrench_checks(group: str, name: str, expected: Floats, got: Floats) -> Iterator[Check]:
     """Compare forces and moments of wrenches (..., 6), each relative to its largest magnitude or, if larger, 0.1."""
     for what, part, unit in (("force", slice(0, 3), "N"), ("moment", slice(3, 6), "N m")):
         want, found = expected[..., part], got[..., part]

@@ -12,12 +12,13 @@ from functools import lru_cache
 import numpy as np
 from scipy.integrate import solve_ivp
 
+from uwsim.base.arrays import Floats
 from uwsim.evidence.validate.check import Check, along, relative
 from uwsim.evidence.validate.flights import deep_water, fly, times
 from uwsim.evidence.validate.motion.actuator_probe import STILL, Probe, wrench_checks
 from uwsim.evidence.validate.motion.published import REMUS_100
 from uwsim.evidence.validate.motion.published_thrusters import MOUNTS
-from uwsim.evidence.validate.motion.reference_solution import GRAVITY_M_S2, Array, cross_matrix
+from uwsim.evidence.validate.motion.reference_solution import GRAVITY_M_S2, cross_matrix
 from uwsim.scenario import VehicleModel, load_vehicle
 
 # Tail fins: Prestero 2001. Hull, vertical and lateral: Fossen's remus100.py, area 0.7 L D, aspect ratio D^2 / S,
@@ -34,7 +35,7 @@ _ACROSS = np.cross((1.0, 0.0, 0.0), _SPAN)
 _MOST_DEG, _RATE_DEG_S = 15.0, 90.0
 
 
-def fins_wrench(velocity: Array, angles_rad: Mapping[str, float]) -> Array:
+def fins_wrench(velocity: Floats, angles_rad: Mapping[str, float]) -> Floats:
     """Return the wrench (6,) of REMUS 100's fins and hull: the lift and drag of each in the flow at its position."""
     there = velocity[:3] + _PLACE @ cross_matrix(velocity[3:]).T
     ahead, across = there[:, 0], np.einsum("ni,ni->n", there, _ACROSS)
@@ -59,7 +60,7 @@ _PLACE_CROSS = np.array([cross_matrix(place) for place in _PLACE])
 def fin_wrenches(name: str = "remus100", model: VehicleModel | None = None) -> Iterator[Check]:
     """Check the drag without deflection, each fin's lift at 10 degrees and in stall, and the hull's lift and drag."""
     probe, ahead = Probe(name, model), np.array([2.0, 0, 0, 0, 0, 0])
-    cases: list[tuple[str, Array, dict[str, float]]] = [("fins centred", ahead, {})]
+    cases: list[tuple[str, Floats, dict[str, float]]] = [("fins centred", ahead, {})]
     cases += [(f"{fin} at 10 deg", ahead, {fin: 10.0}) for fin in FINS]
     for fin, axis, side in (("port", 2, -1), ("starboard", 2, 1), ("top", 1, 1), ("bottom", 1, -1)):
         drift = ahead + 2 * np.tan(np.radians(6)) * np.eye(6)[axis]
@@ -92,13 +93,13 @@ PATH_TOLERANCE, STEADY_TOLERANCE = 4e-3, 1e-3
 
 
 @lru_cache(maxsize=1)
-def _turn() -> tuple[Array, Array]:
+def _turn() -> tuple[Floats, Floats]:
     """Return the positions (n, 3) and velocities (n, 6) of REMUS 100 from rest under TURN_SURGE and TURN_YAW."""
     body, mount = REMUS_100, MOUNTS["remus100"]["propeller"]
     mass, inverse = body.mass, np.linalg.inv(body.mass)
     weight_n = body.mass_kg * GRAVITY_M_S2
 
-    def rate(t: float, y: Array) -> Array:
+    def rate(t: float, y: Floats) -> Floats:
         attitude, momentum = y[3:12].reshape(3, 3), y[12:]
         nu = inverse @ momentum
         still_n = TURN_SURGE * mount.propeller.table[-1][1] * -np.expm1(-t / mount.propeller.time_constant_s)

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from uwsim.evidence.validate.motion.reference_solution import Array
+from uwsim.base.arrays import Floats
 
 
 @dataclass(frozen=True)
@@ -62,18 +62,18 @@ class Mount:
     propeller: Propeller = T200
 
     @property
-    def unit(self) -> Array:
+    def unit(self) -> Floats:
         """The axis as a unit vector."""
         return np.asarray(self.axis, np.float64) / np.linalg.norm(self.axis)
 
-    def wrench(self, thrust_n: float) -> Array:
+    def wrench(self, thrust_n: float) -> Floats:
         """Return the wrench (6,): force, and moment about the origin including the propeller torque."""
         force = thrust_n * self.unit
         return np.concatenate(
             [force, np.cross(self.position_m, force) - self.spin * self.propeller.torque_per_thrust_m * force]
         )
 
-    def inflow_m_s(self, velocity: Sequence[float] | Array) -> float:
+    def inflow_m_s(self, velocity: Sequence[float] | Floats) -> float:
         """Return the hub's speed along the axis when the body moves with velocity (6,)."""
         return float(self.unit @ (np.asarray(velocity[:3]) + np.cross(velocity[3:], self.position_m)))
 

@@ -16,10 +16,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.integrate import solve_ivp
 
-Array = NDArray[np.float64]
+from uwsim.base.arrays import Floats
 
 GRAVITY_M_S2 = 9.80665
 TOLERANCE = 1e-12
@@ -44,7 +44,7 @@ class Coefficients:
     source: str = ""
 
     @property
-    def rigid_mass(self) -> Array:
+    def rigid_mass(self) -> Floats:
         """M_RB (6, 6) about the origin."""
         across = cross_matrix(self.centre_of_mass_m)
         m = self.mass_kg
@@ -52,7 +52,7 @@ class Coefficients:
         return np.block([[m * np.eye(3), -m * across], [m * across, inertia]])
 
     @property
-    def mass(self) -> Array:
+    def mass(self) -> Floats:
         """M_RB + M_A (6, 6)."""
         return self.rigid_mass + np.diag(self.added_mass)
 
@@ -61,20 +61,20 @@ class Coefficients:
 class Flight:
     """A motion at times_s (n,): positions_m (n, 3), attitudes (n, 3, 3), world from body, and velocities (n, 6)."""
 
-    times_s: Array
-    positions_m: Array
-    attitudes: Array
-    velocities: Array
+    times_s: Floats
+    positions_m: Floats
+    attitudes: Floats
+    velocities: Floats
 
 
-def cross_matrix(v: ArrayLike) -> Array:
+def cross_matrix(v: ArrayLike) -> Floats:
     """Return [v]x, the matrix for which [v]x u = v x u."""
     x, y, z = np.asarray(v, np.float64)
     return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
 
 
 def integrate(
-    body: Coefficients, velocity_body: ArrayLike, times_s: Array, wrench_body: ArrayLike = (0.0,) * 6
+    body: Coefficients, velocity_body: ArrayLike, times_s: Floats, wrench_body: ArrayLike = (0.0,) * 6
 ) -> Flight:
     """Return the motion from the origin, starting level with velocity_body (6,), under a constant wrench (6,)."""
     mass, inverse = body.mass, np.linalg.inv(body.mass)
@@ -83,7 +83,7 @@ def integrate(
     lift_n = body.water_density_kg_m3 * body.volume_m3 * GRAVITY_M_S2
     at_mass, at_lift = np.asarray(body.centre_of_mass_m), np.asarray(body.centre_of_buoyancy_m)
 
-    def rate(_: float, y: Array) -> Array:
+    def rate(_: float, y: Floats) -> Floats:
         attitude, momentum = y[3:12].reshape(3, 3), y[12:]
         nu = inverse @ momentum
         up = attitude[2]
@@ -100,7 +100,7 @@ def integrate(
     return Flight(times_s, y[:, :3], y[:, 3:12].reshape(-1, 3, 3), y[:, 12:] @ inverse.T)
 
 
-def resistance(body: Coefficients, nu: Array, momentum: Array) -> Array:
+def resistance(body: Coefficients, nu: Floats, momentum: Floats) -> Floats:
     """Return the Coriolis, centripetal and damping terms, (6,), of nu and the momentum mass @ nu."""
     added = np.asarray(body.added_mass[:3])
     v, w = nu[:3], nu[3:]
@@ -111,7 +111,7 @@ def resistance(body: Coefficients, nu: Array, momentum: Array) -> Array:
     return np.asarray(damping + np.concatenate([_cross(w, p), _cross(w, angular) + _cross(v, p)]))
 
 
-def crossflow_wrench(body: Coefficients, nu: Array) -> Array:
+def crossflow_wrench(body: Coefficients, nu: Floats) -> Floats:
     """Return the wrench (6,) that a hull's strips add to the drag of the separate axes, by piecewise Gauss quadrature.
 
     The strips cover crossflow_length_m, or less if their drag in turning would otherwise exceed the published drag.
@@ -134,6 +134,6 @@ def crossflow_wrench(body: Coefficients, nu: Array) -> Array:
     return wrench
 
 
-def _cross(a: Array, b: Array) -> Array:
+def _cross(a: Floats, b: Floats) -> Floats:
     """Return the cross product of two vectors, much faster than np.cross, which handles arbitrary shapes."""
     return np.array([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwsim.base.arrays import Floats
 from uwsim.base.axes import AXES
 from uwsim.base.quaternions import of_yaw_pitch_roll_deg
 from uwsim.batch.batch import Batch
@@ -18,7 +18,7 @@ START_TILT_DEG = 2.0  # in roll and pitch, to start away from the vehicle leaves
 FLIGHT_S, SAMPLE_S = 60.0, 0.1
 
 
-def largest_tilts_deg(model: VehicleModel, efforts: Sequence[float] = EFFORTS) -> NDArray[np.float64]:
+def largest_tilts_deg(model: VehicleModel, efforts: Sequence[float] = EFFORTS) -> Floats:
     """Return the largest angles (6, n) between body z and the vertical during a minute of each effort on each axis.
 
     Rows of axes on which the vehicle cannot be driven are NaN.

@@ -12,11 +12,12 @@ from functools import lru_cache
 
 import numpy as np
 
+from uwsim.base.arrays import Floats
 from uwsim.base.axes import AXES
 from uwsim.evidence.validate.check import Check, along, relative
 from uwsim.evidence.validate.flights import deep_water, fly, times
 from uwsim.evidence.validate.motion.published import PUBLISHED
-from uwsim.evidence.validate.motion.reference_solution import GRAVITY_M_S2, Array, Coefficients, Flight, integrate
+from uwsim.evidence.validate.motion.reference_solution import GRAVITY_M_S2, Coefficients, Flight, integrate
 from uwsim.scenario import VehicleModel
 from uwsim.scenario.spec.actuator import Control
 
@@ -54,7 +55,7 @@ def vehicle_checks(name: str, model: VehicleModel) -> Iterator[Check]:
     yield from _turning_checks(name, model)
 
 
-def decay_speeds(body: Coefficients) -> list[tuple[str, Array]]:
+def decay_speeds(body: Coefficients) -> list[tuple[str, Floats]]:
     """Return initial velocities along each axis: fast, and slow enough that linear and quadratic damping are equal."""
     starts = []
     for axis, name in enumerate(AXES):
@@ -85,7 +86,7 @@ def _decay_check(curve: Manoeuvre) -> Check:
     )  # fmt: skip
 
 
-def _leading_axis(curve: Manoeuvre, scales: Array) -> int:
+def _leading_axis(curve: Manoeuvre, scales: Floats) -> int:
     """Return the axis with the largest scaled error among those along which the manoeuvre moves."""
     distance = np.abs(curve.flown.velocities - curve.published.velocities).max(axis=0) / scales
     moves = np.abs(curve.published.velocities).max(axis=0) > 1e-5

@@ -8,14 +8,12 @@ vehicle lifts off.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.stats import chi2
 
 from uwsim.evidence.validate.check import Check, at_most
 from uwsim.evidence.validate.navigator.consistency import ERRORS, errors, nees_of, start_navigation
 from uwsim.simulator.simulator import Simulator
 
-Array = NDArray[np.float64]
 PLACE_WORLD_M = (-30.0, -40.0)
 CONTACTS = {  # height of the hull's centre above the bed, where the hull is 0.6 m high; velocity [m/s]
     "thrown onto the bed at 2 m/s": (1.0, (0.0, 0.0, -2.0)),

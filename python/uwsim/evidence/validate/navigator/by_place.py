@@ -13,9 +13,9 @@ from importlib.util import find_spec
 from itertools import cycle
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.stats import chi2
 
+from uwsim.base.arrays import Floats
 from uwsim.base.axes import AXES
 from uwsim.evidence.validate.check import Check, Curve, at_most
 from uwsim.evidence.validate.navigator.consistency import (
@@ -33,8 +33,7 @@ from uwsim.navigation.estimation.budget import NOISE
 from uwsim.simulator.onboard_navigation import ALIGNMENT_STD_M, ALIGNMENT_STD_M_S
 from uwsim.simulator.simulator import Simulator
 
-Array = NDArray[np.float64]
-BeginPeer = Callable[[Simulator, Navigator], Callable[[], Array]]
+BeginPeer = Callable[[Simulator, Navigator], Callable[[], Floats]]
 FLIGHTS = 26  # in each place: two of every vehicle with a gauge
 LEGS, LEGS_PER_LOOK = 30, 3
 MOST_M_S, MOST_HEIGHT_M = 0.1, 0.35
@@ -55,13 +54,13 @@ class Look:
     standard deviation of the position by source.
     """
 
-    error: Array
+    error: Floats
     nees: tuple[float, ...]
     way_m: float
     fixes: tuple[int, int]
     level_variance_m2: float
     budget_m: dict[str, float]
-    peer_m: Array | None = None
+    peer_m: Floats | None = None
 
 
 def run(flights: int = FLIGHTS) -> list[Check]:

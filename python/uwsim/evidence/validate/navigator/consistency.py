@@ -10,16 +10,15 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 from scipy.stats import chi2
 
+from uwsim.base.arrays import Floats
 from uwsim.evidence.validate.check import Check, Curve, within
 from uwsim.navigation.estimation import Navigator, Start
 from uwsim.simulator.onboard_navigation import new_navigator
 from uwsim.simulator.simulator import Simulator
 
-Array = NDArray[np.float64]
 LEG_S = 3.0
 ERRORS = 9
 PARTS = {"position": slice(0, 3), "velocity": slice(3, 6), "attitude": slice(6, 9)}
@@ -47,7 +46,7 @@ def start_navigation(
     return new_navigator(sim.rov, start, sim.world.water), draws
 
 
-def errors(sim: Simulator, navigator: Navigator) -> Array:
+def errors(sim: Simulator, navigator: Navigator) -> Floats:
     """Return the errors (9,): position and velocity in world axes, attitude in body axes."""
     pose, true = navigator.pose, sim.rov.pose
     turn, true_turn = pose.world_from_body[:3, :3], true.world_from_body[:3, :3]
@@ -56,12 +55,12 @@ def errors(sim: Simulator, navigator: Navigator) -> Array:
     return np.concatenate([true.position_world_m - pose.position_world_m, velocity, attitude])
 
 
-def nees_of(error: Array, covariance: Array, part: slice) -> float:
+def nees_of(error: Floats, covariance: Floats, part: slice) -> float:
     """Return the normalised estimation error squared for a part of the errors."""
     return float(error[part] @ np.linalg.solve(covariance[part, part], error[part]))
 
 
-def consistency_checks(nees: Array, how: str = "", looks_s: float = 1.0) -> list[Check]:
+def consistency_checks(nees: Floats, how: str = "", looks_s: float = 1.0) -> list[Check]:
     """Return the checks on NEES values, (flights, times, 1 + PARTS), and on their means over all times.
 
     how: a description of the flights. looks_s: the time between looks. Errors are correlated within a flight, so the

@@ -10,9 +10,9 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.stats import chi2
 
+from uwsim.base.arrays import Floats
 from uwsim.evidence.validate.check import Check, Curve, relative, within
 from uwsim.evidence.validate.navigator.after_contact import contact_checks
 from uwsim.evidence.validate.navigator.consistency import (
@@ -29,7 +29,6 @@ from uwsim.evidence.validate.navigator.turning_flights import turning_checks
 from uwsim.navigation.estimation import Navigator
 from uwsim.simulator.simulator import Simulator
 
-Array = NDArray[np.float64]
 SEEDS = 50
 LEGS, LEGS_PER_LOOK = 36, 3
 DROP_OUT_AFTER_S, DROP_OUT_S = 60.0, 60.0
@@ -59,7 +58,7 @@ def nees_of_a_flight(sim: Simulator, seed: int) -> Iterator[list[float]]:
             yield [nees_of(error, covariance, part) for part in (slice(0, ERRORS), *PARTS.values())]
 
 
-def drop_out(sim: Simulator, seed: int) -> tuple[Array, Array, Array]:
+def drop_out(sim: Simulator, seed: int) -> tuple[Floats, Floats, Floats]:
     """Hover, then switch off the DVL and USBL.
 
     Returns the final covariance of the horizontal position, from the filter and from the closed form, and the position
@@ -77,7 +76,7 @@ def drop_out(sim: Simulator, seed: int) -> tuple[Array, Array, Array]:
     return navigator.covariance[:2, :2], expected, errors(sim, navigator)[:2]
 
 
-def closed_form(sim: Simulator, navigator: Navigator, t: float) -> Array:
+def closed_form(sim: Simulator, navigator: Navigator, t: float) -> Floats:
     """Return the covariance (2, 2) of the horizontal position after t s with only the IMU, at constant attitude."""
     turn, gravity = navigator.pose.world_from_body[:3, :3], sim.world.water.gravity_m_s2
     imu = sim.rov.sensors["imu"].spec.noise
@@ -92,11 +91,11 @@ def closed_form(sim: Simulator, navigator: Navigator, t: float) -> Array:
     return np.asarray(growth @ navigator.covariance @ growth.T + variance * np.eye(2))
 
 
-def _cross(v: Array) -> Array:
+def _cross(v: Floats) -> Floats:
     return np.array([[0.0, -v[2], v[1]], [v[2], 0.0, -v[0]], [-v[1], v[0], 0.0]])
 
 
-def drop_out_checks(drifts: list[tuple[Array, Array, Array]]) -> list[Check]:
+def drop_out_checks(drifts: list[tuple[Floats, Floats, Floats]]) -> list[Check]:
     """Return the checks on the drift."""
     group = f"{DROP_OUT_S:.0f} s without DVL and USBL"
     filters, closed, error = (np.array(part) for part in zip(*drifts, strict=True))

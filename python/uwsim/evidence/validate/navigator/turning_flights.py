@@ -11,7 +11,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
 from uwsim.evidence.validate.check import Check
 from uwsim.evidence.validate.navigator.consistency import (
@@ -26,7 +25,6 @@ from uwsim.scenario import Scenario, load
 from uwsim.scenario.read.assets import assets_folder
 from uwsim.simulator.simulator import Simulator
 
-Array = NDArray[np.float64]
 TURNS = {  # smallest and largest shares of the full torque about each body axis, in either direction
     "rolling": ((0.03, 0.0, 0.0), (0.12, 0.01, 0.05)),
     "pitching": ((0.0, 0.03, 0.0), (0.01, 0.12, 0.05)),

@@ -14,13 +14,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.base.arrays import Floats
 from uwsim.base.axes import AXES
 from uwsim.base.texts.json_text import read_json
 from uwsim.base.whole_trimesh import trimesh
 from uwsim.evidence.validate.check import Check, relative
 from uwsim.scenario.build.hydrodynamics import added_mass_of_mesh
 
-Floats = NDArray[np.float64]
 Mesh = tuple[Floats, NDArray[np.integer]]
 RESULTS = Path(__file__).parent / "capytaine_added_mass.json"
 LEVELS = (1, 2, 3)

@@ -15,15 +15,14 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from uwsim import _core
+from uwsim.base.arrays import Floats
 from uwsim.base.texts.json_text import read_json
 from uwsim.evidence.validate.check import Check, along, relative
 from uwsim.evidence.validate.pictures import box_scene
 
-Floats = NDArray[np.float64]
 RESULTS = Path(__file__).parent / "mitsuba_caustics.json"
 TILE_M, CELL_M = 6.4, 0.05
 """The ripples' tile; the cells of the patterns, of both."""

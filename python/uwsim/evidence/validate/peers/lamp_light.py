@@ -13,16 +13,15 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from uwsim import _core
+from uwsim.base.arrays import Floats
 from uwsim.base.texts.json_text import read_json
 from uwsim.base.whole_trimesh import trimesh
 from uwsim.evidence.validate.check import Check, along
 from uwsim.evidence.validate.pictures import BANDS, NIGHT_DEG, Light, View
 
-Floats = NDArray[np.float64]
 RESULTS = Path(__file__).parent / "mitsuba_radiance.json"
 DEPTH_M = 300.0
 """The camera's depth: deep enough that no surface and no bed is near."""

@@ -15,10 +15,10 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 from filterpy.kalman import ExtendedKalmanFilter
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 from scipy.stats import chi2
 
+from uwsim.base.arrays import Floats
 from uwsim.evidence.validate.check import Check, at_most, within
 from uwsim.evidence.validate.navigator.consistency import (
     LARGEST_EFFORTS,
@@ -35,15 +35,14 @@ from uwsim.navigation.estimation.aids import north_rad
 from uwsim.navigation.estimation.errors import whole_std
 from uwsim.simulator.simulator import Simulator
 
-Array = NDArray[np.float64]
 FLIGHTS, LEGS, LEG_S, WARM_UP_LEGS = 6, 12, 5.0, 4
 EVERY_IMU_SAMPLE = 8  # samples arrive at 200 Hz; robot_localization runs at 30 Hz by default
 POSITION, ANGLES, VELOCITY, RATES, FORCES = (slice(k, k + 3) for k in range(0, 15, 3))
 PROCESS_NOISE = np.array([0.05, 0.05, 0.06, 0.03, 0.03, 0.06, 0.025, 0.025, 0.04, 0.01, 0.01, 0.02, 0.01, 0.01, 0.015])
 """Variance per second of each state, in its squared unit (params/ekf.yaml of robot_localization)."""
 MOTION_ONLY = PROCESS_NOISE * np.repeat((0.0, 0.0, 1.0, 1.0, 1.0), 3)
-Measure = Callable[[Array], Array]
-Sample = tuple[int, str, Array]
+Measure = Callable[[Floats], Floats]
+Sample = tuple[int, str, Floats]
 """Stamp [ns], sensor and reading."""
 
 
@@ -98,7 +97,7 @@ class Beside:
     def __init__(self, sim: Simulator, navigator: Navigator) -> None:
         self._sim, self._filter, self._streams = sim, StandardFilter(sim, navigator, PROCESS_NOISE), opened(sim)
 
-    def __call__(self) -> Array:
+    def __call__(self) -> Floats:
         """Return the error of its position (3,) [m], now."""
         self._filter.follow(samples_of(self._streams), self._sim.time_s)
         return np.asarray(self._sim.rov.pose.position_world_m - self._filter.x[POSITION])
@@ -125,7 +124,7 @@ def samples_of(streams: Mapping[str, SampleStream]) -> list[Sample]:
 class StandardFilter(ExtendedKalmanFilter):  # type: ignore[misc]  # filterpy has no types
     """filterpy's filter with 15 states: position, roll pitch yaw, velocity, rates, acceleration (body axes)."""
 
-    def __init__(self, sim: Simulator, navigator: Navigator, process_noise: Array):
+    def __init__(self, sim: Simulator, navigator: Navigator, process_noise: Floats):
         """Start at the pose of a navigator that has just started. process_noise (15,): variances per second."""
         super().__init__(15, 3)
         self._sensors = sim.rov.sensors
@@ -153,7 +152,7 @@ class StandardFilter(ExtendedKalmanFilter):  # type: ignore[misc]  # filterpy ha
             self.x = moved(self.x, dt)
             self.P = self.F @ self.P @ self.F.T + np.diag(self._noise * dt)
 
-    def receive(self, time_s: float, kind: str, reading: Array) -> None:
+    def receive(self, time_s: float, kind: str, reading: Floats) -> None:
         """Correct the state by a sample."""
         self.predict(time_s)
         sensor = self._sensors[kind]
@@ -165,7 +164,7 @@ class StandardFilter(ExtendedKalmanFilter):  # type: ignore[misc]  # filterpy ha
             )
             up = np.array([0.0, 0.0, self._gravity_m_s2])
 
-            def expected(x: Array) -> Array:
+            def expected(x: Floats) -> Floats:
                 force = x[..., FORCES] + turn(x).swapaxes(-1, -2) @ up
                 return np.concatenate([x[..., RATES], force, x[..., 3:5]], axis=-1)
 
@@ -193,7 +192,7 @@ class StandardFilter(ExtendedKalmanFilter):  # type: ignore[misc]  # filterpy ha
             variance = across**2 * np.eye(3) + (along**2 - across**2) * np.outer(sight, sight)
             self._correct(fix, lambda x: x[..., POSITION] + turn(x) @ lever, variance)
 
-    def _correct(self, z: Array, measure: Measure, spread: float | Array) -> None:
+    def _correct(self, z: Floats, measure: Measure, spread: float | Floats) -> None:
         """spread: standard deviation of each component, or their covariance."""
         matrix = np.ndim(spread) == 2
         noise = np.asarray(spread) if matrix else np.diag(np.broadcast_to(np.square(spread), z.shape))
@@ -201,7 +200,7 @@ class StandardFilter(ExtendedKalmanFilter):  # type: ignore[misc]  # filterpy ha
         self.update(z, lambda x: slope(measure, x), measure, R=noise)
 
 
-def turn(x: Array) -> Array:
+def turn(x: Floats) -> Floats:
     """Return world-from-body rotations (..., 3, 3) for states (..., 15)."""
     angles = x[..., ANGLES]
     return np.asarray(Rotation.from_euler("ZYX", angles[..., ::-1].reshape(-1, 3)).as_matrix()).reshape(
@@ -209,7 +208,7 @@ def turn(x: Array) -> Array:
     )
 
 
-def moved(x: Array, dt: float) -> Array:
+def moved(x: Floats, dt: float) -> Floats:
     """Return states (..., 15) after dt seconds of constant acceleration and constant rates."""
     after = x.copy()
     roll, pitch = x[..., 3], x[..., 4]
@@ -223,7 +222,7 @@ def moved(x: Array, dt: float) -> Array:
     return after
 
 
-def slope(function: Measure, x: Array) -> Array:
+def slope(function: Measure, x: Floats) -> Floats:
     """Return the derivative (m, 15) by central differences."""
     nudge = 1e-6 * np.eye(15)
     return np.asarray((function(x + nudge) - function(x - nudge)).T / 2e-6)

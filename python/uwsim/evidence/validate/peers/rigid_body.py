@@ -11,11 +11,12 @@ from dataclasses import replace
 import mujoco
 import numpy as np
 
+from uwsim.base.arrays import Floats
 from uwsim.base.whole_trimesh import trimesh
 from uwsim.evidence.validate.check import Check, along, within
 from uwsim.evidence.validate.flights import attitude_error_rad, fly
 from uwsim.evidence.validate.motion.closed_forms import TUMBLE, ZERO_6, simulator_with_body, undamped_heavy
-from uwsim.evidence.validate.motion.reference_solution import GRAVITY_M_S2, Array, Coefficients
+from uwsim.evidence.validate.motion.reference_solution import GRAVITY_M_S2, Coefficients
 from uwsim.evidence.validate.peers import group
 
 CENTRE_OF_MASS_M = (0.01, -0.005, -0.02)
@@ -37,7 +38,7 @@ def checks() -> list[Check]:
     ]
 
 
-def _by_mujoco(body: Coefficients, times_s: Array) -> tuple[Array, Array]:
+def _by_mujoco(body: Coefficients, times_s: Floats) -> tuple[Floats, Floats]:
     """Return attitudes (n, 3, 3) and positions (n, 3) of the body's origin."""
     centre, inertia = (" ".join(map(repr, map(float, v))) for v in (body.centre_of_mass_m, body.inertia_kg_m2))
     model = mujoco.MjModel.from_xml_string(

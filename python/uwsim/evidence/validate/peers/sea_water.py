@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import gsw
 import numpy as np
-from numpy.typing import NDArray
 
 from uwsim import _core
+from uwsim.base.arrays import Floats
 from uwsim.evidence.validate.check import Check, along
 from uwsim.evidence.validate.peers import group
 
-Array = NDArray[np.float64]
 WATERS = 2000
 LATITUDE_DEG = 45.0
 
@@ -31,7 +30,7 @@ def checks() -> list[Check]:
     ]
 
 
-def _sound(t: Array, s: Array, depth_m: Array) -> tuple[Array, Array]:
+def _sound(t: Floats, s: Floats, depth_m: Floats) -> tuple[Floats, Floats]:
     """Return the peer's and the simulator's speeds of sound at a latitude of 45 degrees."""
     pressure_dbar = gsw.p_from_z(-depth_m, LATITUDE_DEG)
     expected = gsw.sound_speed_t_exact(gsw.SR_from_SP(s), t, pressure_dbar)

@@ -13,16 +13,15 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from uwsim import _core
+from uwsim.base.arrays import Floats
 from uwsim.base.axes import AXES
 from uwsim.base.texts.json_text import read_json
 from uwsim.evidence.validate.check import Check, relative, within
 from uwsim.scenario import load_vehicle
 from uwsim.scenario.build.hull import rigid_body, vehicle_hull
 
-Array = NDArray[np.float64]
 RESULTS = Path(__file__).parent / "capytaine_hulls.json"
 AMPLITUDE_M = 0.005
 HEAD = {"surge": 0, "heave": 2, "pitch": 4}
@@ -70,7 +69,7 @@ def unit_of(axis: int) -> str:
     return "N" if axis < 3 else "N m"
 
 
-def amplitudes(name: str, hull: dict[str, Any], wave: dict[str, Any], kept: dict[str, Any], with_added: bool) -> Array:
+def amplitudes(name: str, hull: dict[str, Any], wave: dict[str, Any], kept: dict[str, Any], with_added: bool) -> Floats:
     """Return the amplitudes (6,) of the load per metre of wave amplitude, N/m and N m/m about the body's origin."""
     density, gravity = kept["density_kg_m3"], kept["gravity_m_s2"]
     model = load_vehicle(name)
@@ -90,7 +89,7 @@ def amplitudes(name: str, hull: dict[str, Any], wave: dict[str, Any], kept: dict
     water.waves = _core.Waves.airy(AMPLITUDE_M, period_s, math.radians(wave["direction_deg"]), gravity_m_s2=gravity)
     state = _core.BodyState([0.0, 0.0, -hull["depth_m"]], [0.0, 0.0, 0.0, 1.0], [0.0] * 6)
 
-    def load(time_s: float) -> Array:
+    def load(time_s: float) -> Floats:
         return np.asarray(mass @ craft.acceleration_body(state, np.zeros(6), water, time_s))
 
     first, second = ((load(t) - load(t + period_s / 2)) / 2 for t in (0.0, period_s / 4))

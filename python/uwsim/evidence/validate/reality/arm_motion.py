@@ -12,10 +12,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 from scipy.spatial.transform import Rotation
 
+from uwsim.base.arrays import Floats
 from uwsim.evidence.validate.check import Check, Curve, at_most, relative
 from uwsim.evidence.validate.flights import deep_water
 from uwsim.evidence.validate.reality import arm_tilts
@@ -25,7 +25,6 @@ from uwsim.scenario import VehicleModel, load_vehicle
 
 __all__ = ["FILE", "Moved", "checks", "moved"]
 
-Array = NDArray[np.float64]
 GROUP = f"{PREDICTED}: Hinsdale, arm and motion"
 COLUMNS = {"shoulder": ("e", 3.07), "upperarm": ("d", 0.0), "forearm": ("c", 0.0), "wrist": ("b", 2.879)}
 """By joint: its column in the files, and what the encoder reads where it is straight [rad]."""
@@ -39,12 +38,12 @@ TURNING_RAD_S = 0.1
 class Moved:
     """A simulated trial: pitch and roll (n, 2) [deg] and yaw rate (n,) [rad/s] at times_s (n,)."""
 
-    times_s: Array
-    attitude_deg: Array
-    yaw_rate_rad_s: Array
+    times_s: Floats
+    attitude_deg: Floats
+    yaw_rate_rad_s: Floats
 
 
-def moved(trial: Trial, hull_nm: Array) -> Moved:
+def moved(trial: Trial, hull_nm: Floats) -> Moved:
     """Return the motion of the vehicle, whose motors follow the joint angles of a trial, from rest."""
     first = {name: float(angle[0]) for name, angle in _angles(trial, trial.times_s[:1]).items()}
     sim = deep_water(_vehicle(first, hull_nm), density_kg_m3=arm_tilts.DENSITY_KG_M3)
@@ -65,12 +64,12 @@ def moved(trial: Trial, hull_nm: Array) -> Moved:
     return Moved(times_s, pitch_and_roll_deg(Rotation.from_matrix(np.array(attitudes))), np.array(rates))
 
 
-def _angles(trial: Trial, times_s: Array) -> dict[str, Array]:
+def _angles(trial: Trial, times_s: Floats) -> dict[str, Floats]:
     measured = trial.angles_rad(times_s)
     return {name: measured[column] - zero for name, (column, zero) in COLUMNS.items()}
 
 
-def _vehicle(start_rad: dict[str, float], hull_nm: Array) -> VehicleModel:
+def _vehicle(start_rad: dict[str, float], hull_nm: Floats) -> VehicleModel:
     """Return the vehicle, neutral, with the hull's moment and an arm that starts at these angles."""
     links = dict(load_vehicle("bluerov2_heavy_alpha5").arm or {})
     base = links.pop("armbase")  # part of the hull's fitted moment
@@ -98,7 +97,7 @@ def _vehicle(start_rad: dict[str, float], hull_nm: Array) -> VehicleModel:
     )
 
 
-def turning(trial: Trial, got: Moved) -> Array:
+def turning(trial: Trial, got: Moved) -> Floats:
     """Return rates (3, n) while the base joint turns [rad/s]: its own, the measured and the simulated yaw rate.
 
     Each is without its mean over 4 s.
@@ -111,7 +110,7 @@ def turning(trial: Trial, got: Moved) -> Array:
     return np.asarray((rates - uniform_filter1d(rates, MEAN, axis=1))[:, use], np.float64)
 
 
-def _smoothed(values: Array) -> Array:
+def _smoothed(values: Floats) -> Floats:
     return np.asarray(uniform_filter1d(values, SMOOTH), np.float64)
 
 

@@ -23,16 +23,15 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from uwsim.base.arrays import Floats
 from uwsim.base.texts.csv_table import read_csv
 from uwsim.evidence.validate.check import Check, Curve, at_most
 from uwsim.evidence.validate.flights import deep_water
 from uwsim.evidence.validate.reality.kinds import PREDICTED
 from uwsim.scenario import load_vehicle
 
-Array = NDArray[np.float64]
 FILE = "hinsdale/trials.csv"
 GROUP = f"{PREDICTED}: Hinsdale, arm and tilt"
 DENSITY_KG_M3, GRAVITY_M_S2 = 997.0, 9.81
@@ -66,16 +65,16 @@ MASS_KG = HULL_KG + ARM_BASE_KG + sum(link[0] for links in LINKS for link in lin
 class Arm:
     """The moving links: sums of mass x centre of mass and of volume x centre of buoyancy (n, 3), body frame."""
 
-    mass_kg_m: Array
-    volume_m4: Array
+    mass_kg_m: Floats
+    volume_m4: Floats
 
     @property
-    def moment_nm(self) -> Array:
+    def moment_nm(self) -> Floats:
         """The links' part of h (n, 3)."""
         return GRAVITY_M_S2 * (DENSITY_KG_M3 * self.volume_m4 - self.mass_kg_m)
 
 
-def arm_at(angles_rad: dict[str, Array]) -> Arm:
+def arm_at(angles_rad: dict[str, Floats]) -> Arm:
     """Return the moving links for joint angles (n,) by column b, c, d, e."""
     n = len(angles_rad["e"])
     turned, at = Rotation.from_quat(np.tile(BASE[1].as_quat(), (n, 1))), np.tile(BASE[0], (n, 1))
@@ -105,17 +104,17 @@ class Trial:
         self.yaw_rate_rad_s = imu["z_angvel"][inside]
         self.measured_deg = pitch_and_roll_deg(self.attitude)
 
-    def angles_rad(self, times_s: Array) -> dict[str, Array]:
+    def angles_rad(self, times_s: Floats) -> dict[str, Floats]:
         """Return the joint angles (n,) at given times (n,), by column b, c, d, e."""
         joints = self._joints
         return {c: np.interp(times_s, joints["time_secs"], joints[f"axis_{c}_pos"]) for c in "bcde"}
 
-    def arm(self, times_s: Array) -> Arm:
+    def arm(self, times_s: Floats) -> Arm:
         """Return the arm at given times (n,)."""
         return arm_at(self.angles_rad(times_s))
 
 
-def pitch_and_roll_deg(world_from_body: Rotation) -> Array:
+def pitch_and_roll_deg(world_from_body: Rotation) -> Floats:
     """Return pitch, positive nose down, and roll (n, 2) [deg]."""
     return np.asarray(world_from_body.as_euler("ZYX", degrees=True)[:, 1:], np.float64)
 
@@ -126,7 +125,7 @@ def read_trials(folder: Path) -> list[Trial]:
     return [Trial(folder, name) for name in names if not name.startswith(LEFT_OUT[0]) and name != LEFT_OUT[1]]
 
 
-def fitted_hull_nm(trials: list[Trial]) -> Array:
+def fitted_hull_nm(trials: list[Trial]) -> Floats:
     """Return h of the hull (3,), by linear least squares, with equal weight for each trial.
 
     The measured upward direction u is parallel to the hull's h plus the arm's a: u x h = -u x a.
@@ -141,14 +140,14 @@ def fitted_hull_nm(trials: list[Trial]) -> Array:
     return np.asarray(np.linalg.lstsq(np.concatenate(matrices), np.concatenate(moments))[0], np.float64)
 
 
-def fitted_to_others(data: Path) -> tuple[list[Array], list[tuple[Trial, Array]]]:
+def fitted_to_others(data: Path) -> tuple[list[Floats], list[tuple[Trial, Floats]]]:
     """Return h of the hull (3,) by each half of the trials, and the trials to fly, each with h by the other half."""
     trials = read_trials((data / FILE).parent)
     fits = [fitted_hull_nm(half) for half in (trials[::2], trials[1::2])]
     return fits, [(trial, fits[1 - k % 2]) for k, trial in enumerate(trials)][FLOWN]
 
 
-def flown_deg(arm: Callable[[Array], Arm], hull_nm: Array, times_s: Array) -> Array:
+def flown_deg(arm: Callable[[Floats], Arm], hull_nm: Floats, times_s: Floats) -> Floats:
     """Return pitch and roll (n, 2) [deg] of the simulated vehicle at times_s (n,), increasing.
 
     It first comes to rest with the arm as at the first time. Then its centres follow the arm, every CHANGE_S. It has no
@@ -165,7 +164,7 @@ def flown_deg(arm: Callable[[Array], Arm], hull_nm: Array, times_s: Array) -> Ar
     hull_m = np.asarray(hull_nm) / (MASS_KG * GRAVITY_M_S2)
     sampled_s, attitudes = [], []
 
-    def fly(centre_of_mass_m: Array, arm_lift_m: Array, steps: int, from_s: float) -> None:
+    def fly(centre_of_mass_m: Floats, arm_lift_m: Floats, steps: int, from_s: float) -> None:
         sim.parameters.update(
             {"body.centre_of_mass_m": centre_of_mass_m, "body.centre_of_buoyancy_m": hull_m + arm_lift_m}
         )
@@ -184,7 +183,7 @@ def flown_deg(arm: Callable[[Array], Arm], hull_nm: Array, times_s: Array) -> Ar
     return np.column_stack([np.interp(times_s, sampled_s, got[:, k]) for k in (0, 1)])
 
 
-def rms_deg(got_deg: Array, trial: Trial) -> Array:
+def rms_deg(got_deg: Floats, trial: Trial) -> Floats:
     """Return the root mean square errors of pitch and roll (2,)."""
     return np.asarray(np.sqrt(((got_deg - trial.measured_deg) ** 2).mean(axis=0)))
 
@@ -212,7 +211,7 @@ def checks(data: Path) -> list[Check]:
     ]
 
 
-def _columns(path: Path) -> dict[str, Array]:
+def _columns(path: Path) -> dict[str, Floats]:
     """Return the columns of a file by name, without rows that have empty fields."""
     table = read_csv(path, data=lzma.decompress(path.read_bytes()))
     rows = {name: table.numbers(name, may_lack=True) for name in table.columns}

@@ -14,12 +14,12 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 from rasterio import open as open_raster
 from rasterio.windows import Window
 from rasterio.windows import bounds as window_bounds
 
 from uwsim import _core
+from uwsim.base.arrays import Floats
 from uwsim.evidence.validate.check import Check, Curve, at_most
 from uwsim.evidence.validate.reality.kinds import AS_MEASURED
 from uwsim.evidence.validate.sonars.table import WATERS, Cell, acoustics
@@ -27,7 +27,6 @@ from uwsim.instruments.sonars.soundings import sound_points, sound_speed_profile
 from uwsim.scenario.terrains.elevations import raster_heights
 from uwsim.scenario.terrains.raster import RasterTerrain
 
-Array = NDArray[np.float64]
 FILE = "bathymetry/F00788_SR_8m.bag"
 GROUP = f"{AS_MEASURED}: NOAA F00788"
 WINDOW = Window(15, 120, 50, 50)
@@ -42,8 +41,8 @@ DOWN_ACROSS_Y_XYZW = (0.0, math.sqrt(0.5), 0.0, math.sqrt(0.5))
 class Floor:
     """Depths and stated uncertainties [m] at nodes (n, n), from south to north; centre, in the file's coordinates."""
 
-    depth_m: Array
-    uncertainty_m: Array
+    depth_m: Floats
+    uncertainty_m: Floats
     centre: tuple[float, float]
 
     @property
@@ -60,7 +59,7 @@ def read_floor(path: Path) -> Floor:
     return Floor(-elevation_m, uncertainty_m, ((west + east) / 2, (south + north) / 2))
 
 
-def soundings(path: Path, floor: Floor) -> Array:
+def soundings(path: Path, floor: Floor) -> Floats:
     """Return the soundings (n, 3) of a survey of the square in lines from west to east."""
     half_m = floor.half_m
     spec = RasterTerrain(
@@ -82,7 +81,7 @@ def soundings(path: Path, floor: Floor) -> Array:
     return found[np.isfinite(found).all(axis=1)]
 
 
-def gridded_m(points: Array, floor: Floor) -> Array:
+def gridded_m(points: Floats, floor: Floor) -> Floats:
     """Return the mean depth of the soundings in each node's cell (n, n); NaN without a sounding."""
     nodes = len(floor.depth_m)
     row, column = (np.rint((points[:, axis] + floor.half_m) / NODE_M).astype(int) for axis in (1, 0))
@@ -107,7 +106,7 @@ def checks(data: Path) -> list[Check]:
     lines = {"measured": floor.depth_m[middle], "surveyed": found_m[middle]}
     line = Curve(NODE_M * np.arange(len(found_m)) - floor.half_m, lines, "east [m]", "m", "depth along the middle line")
 
-    def beyond(limit_m: Array) -> float:
+    def beyond(limit_m: Floats) -> float:
         return float(np.mean(~(np.abs(error_m[inner]) <= limit_m)))
 
     return [

@@ -19,12 +19,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
+from uwsim.base.arrays import Floats
 from uwsim.evidence.validate.check import Check, Curve, relative
 from uwsim.evidence.validate.flights import deep_water
 from uwsim.evidence.validate.reality.kinds import PREDICTED
 from uwsim.scenario import VehicleModel, load_vehicle
 
-Floats = NDArray[np.float64]
 Simulated = tuple[Floats, Floats, float]
 """The result of simulated_glides()."""
 GLIDERS = ("amadeus", "sebastian")

@@ -24,8 +24,8 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwsim.base.arrays import Floats
 from uwsim.base.texts.csv_table import read_csv
 from uwsim.evidence.validate.check import Check, Curve, relative, within
 from uwsim.evidence.validate.reality.kinds import AS_MEASURED, PREDICTED
@@ -33,7 +33,6 @@ from uwsim.scenario import Scenario, load_vehicle
 from uwsim.scenario.spec.sensor import SensorMount
 from uwsim.simulator.simulator import Simulator
 
-Array = NDArray[np.float64]
 FILE = "dvl/RiverPro_test01_decoded.csv"
 WORKHORSE = "Workhorse Navigator, DVL"
 PING1D, UGPS = f"{AS_MEASURED}: Ping1D, echosounder", f"{AS_MEASURED}: Underwater GPS"
@@ -73,24 +72,24 @@ def checks(data: Path) -> list[Check]:
     ]  # fmt: skip
 
 
-def read_beams(path: Path) -> Array:
+def read_beams(path: Path) -> Floats:
     """Return the bottom velocities (4, n) along the beams, for the pings in which all four are valid."""
     table = read_csv(path)
     beams = np.array([table.numbers(f"vel_bt_{beam}_m_s", may_lack=True) for beam in (1, 2, 3, 4)])
     return np.asarray(beams[:, (np.abs(beams) < NO_LOCK_M_S).all(axis=0)], np.float64)
 
 
-def error_velocity_m_s(beams_m_s: Array, slant_rad: float) -> Array:
+def error_velocity_m_s(beams_m_s: Floats, slant_rad: float) -> Floats:
     """Return d (b1 + b2 - b3 - b4), zero except for noise, with d = 1 / (2 sqrt(2) sin slant) (Teledyne RDI)."""
     return np.asarray(_error_scale(slant_rad) * (np.array([1.0, 1.0, -1.0, -1.0]) @ beams_m_s), np.float64)
 
 
-def robust_std(values: Array) -> float:
+def robust_std(values: Floats) -> float:
     """Return the standard deviation of a normal distribution with the same median absolute deviation."""
     return 1.4826 * float(np.median(np.abs(values - np.median(values))))
 
 
-def noise(values: Array) -> float:
+def noise(values: Floats) -> float:
     """Return the standard deviation of white noise on a slowly varying quantity, from second differences."""
     return float(np.std(np.diff(values, 2))) / math.sqrt(6)
 
@@ -106,7 +105,7 @@ def _riverpro(beam_std_m_s: float) -> SensorMount:
 
 
 def _axis_checks(
-    group: str, readings: Array, expected_m_s: dict[str, float], tolerance: float, axes: str = "xyz"
+    group: str, readings: Floats, expected_m_s: dict[str, float], tolerance: float, axes: str = "xyz"
 ) -> list[Check]:
     return [
         relative(group, f"noise along {axis}", expected, noise(readings[:, k]), tolerance, "m/s")
@@ -119,7 +118,7 @@ def _in_band(group: str, name: str, band: tuple[float, float], got: float, unit:
     return within(group, name, 0.5 * sum(band), got, 0.5 * (band[1] - band[0]), 1.0, unit)
 
 
-def _samples(mount: SensorMount, at_m: tuple[float, float, float] = ABOVE_BED_M) -> tuple[Array, float]:
+def _samples(mount: SensorMount, at_m: tuple[float, float, float] = ABOVE_BED_M) -> tuple[Floats, float]:
     """Return a sensor's readings (n, width) on a vehicle at rest over a flat bed, and the share that arrived."""
     model = load_vehicle("bluerov2_heavy").model_copy(update={"sensors": {mount.kind: mount}})
     start = {"position_m": at_m}

@@ -12,12 +12,12 @@ from pathlib import Path
 from typing import Annotated
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import StringConstraints
 from rich.console import Console
 from rich.table import Table
 from scipy.spatial.transform import Rotation
 
+from uwsim.base.arrays import Floats
 from uwsim.evidence.validate.camera import irradiance_variation
 from uwsim.evidence.validate.flights import START_M, deep_water
 from uwsim.evidence.validate.reality import predicted_trials as trials
@@ -138,9 +138,9 @@ def _roll_period_s() -> float:
     return float(crossings_s[2] - crossings_s[0])
 
 
-def _arm_ahead_deg() -> NDArray[np.float64]:
+def _arm_ahead_deg() -> Floats:
     angles = {column: np.array([angle]) for column, angle in ARM_AHEAD_RAD.items()}
-    flown: NDArray[np.float64] = flown_deg(
+    flown: Floats = flown_deg(
         lambda times_s: arm_at({c: np.repeat(a, len(times_s)) for c, a in angles.items()}),
         np.array(FITTED_HULL_NM),
         np.array([0.0, 1.0]),

@@ -11,16 +11,15 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from uwsim import _core
+from uwsim.base.arrays import Floats
 from uwsim.evidence.validate.check import Check, at_most
 from uwsim.evidence.validate.reality.kinds import PREDICTED
 from uwsim.mapping.files.gsf_read import read_gsf
 from uwsim.mapping.files.swath import Swath
 from uwsim.scenario.spec.link import BOTTOMS
 
-Floats = NDArray[np.float64]
 SURVEYS = {  # robust standard deviation of two-way times after one rigid offset per ping [s]
     "0059_20181102_212138_EX1811_MB_EM302.gsf": 0.20e-3,
     "0029_20160323_185603_EX1604_EM302.gsf": 0.35e-3,

@@ -8,16 +8,15 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from uwsim import _core
+from uwsim.base.arrays import Floats
 from uwsim.base.texts.csv_table import read_csv
 from uwsim.evidence.validate.check import Check, Curve, at_most
 from uwsim.evidence.validate.reality.kinds import AS_MEASURED, PREDICTED
 from uwsim.scenario.spec.actuator import load_thruster
 
-Array = NDArray[np.float64]
-Sheet = dict[str, Array]
+Sheet = dict[str, Floats]
 FILE = "t200/t200_10_14_16_20V.csv"
 GROUP = "T200 bench test"
 N_PER_KGF = 9.80665
@@ -91,6 +90,6 @@ def _neighbours(volts: float, sheets: dict[float, Sheet]) -> tuple[float, float]
     return max(v for v in sheets if v < volts), min(v for v in sheets if v > volts)
 
 
-def _curves(simulated: _core.ThrusterSheets, volts: float, pwm_us: Array) -> Sheet:
+def _curves(simulated: _core.ThrusterSheets, volts: float, pwm_us: Floats) -> Sheet:
     rows = np.array([simulated.at((pwm - 1500.0) / 400.0, volts) for pwm in pwm_us]).T
     return {"force_kgf": rows[0] / N_PER_KGF, "current_a": rows[1], "rpm": rows[2]}

@@ -10,15 +10,14 @@ from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from uwsim import _core
+from uwsim.base.arrays import Floats
 from uwsim.evidence.validate.check import Check, along
 from uwsim.evidence.validate.sonars.instrument import flat_world
 from uwsim.instruments.sonars import imaging
 from uwsim.instruments.sonars.imaging import Acoustics, ForwardLooking, SideScan
 
-Array = NDArray[np.float64]
 BED_M, HEIGHT_M = -30.0, 6.0
 BED_DB = -30.0  # arbitrary
 SILENCE_DB = -200.0
@@ -51,7 +50,7 @@ def basin() -> Basin:
     return Basin(world, _core.RayScene(world), {"terrain": BED_DB})
 
 
-def pattern_power(off_axis_rad: Array, width_rad: float, taper: float) -> Array:
+def pattern_power(off_axis_rad: Floats, width_rad: float, taper: float) -> Floats:
     """Return a line array's power pattern with a raised-cosine window, by direct summation over the aperture."""
     return _power(_half_power(taper) / np.sin(width_rad / 2) * np.sin(np.atleast_1d(off_axis_rad)), taper)
 
@@ -63,7 +62,7 @@ def _half_power(taper: float) -> float:
     return float(np.interp(0.5, _power(waves, taper)[::-1], waves[::-1]))
 
 
-def _power(waves: Array, taper: float) -> Array:
+def _power(waves: Floats, taper: float) -> Floats:
     """Return the power at sines of angles times the aperture in wavelengths."""
     places = (np.arange(1000) + 0.5) / 2000  # of one half, which the other mirrors
     window = (1 - taper) + taper * np.cos(2 * np.pi * places)
@@ -72,7 +71,9 @@ def _power(waves: Array, taper: float) -> Array:
     return np.asarray((sums / window.sum()) ** 2, np.float64)
 
 
-def sonar_equation_db(model: Acoustics, ranges_m: Array, width_rad: float, vertical: Array, per_range: Array) -> Array:
+def sonar_equation_db(
+    model: Acoustics, ranges_m: Floats, width_rad: float, vertical: Floats, per_range: Floats
+) -> Floats:
     """Return the level of a flat bed: SL - 40 log R - 2 alpha R + BS + 20 log cos i + 10 log (cell area x pattern).
 
     width_rad: the beam's equivalent width. per_range: metres of bed along the range per metre of slant range.
@@ -132,7 +133,7 @@ def bed_aside(model: SideScan, waterfall: imaging.Waterfall | None = None) -> Ch
     return _check("side-scan", ranges_m, expected, got, ASIDE_TOLERANCE_DB)
 
 
-def _check(name: str, ranges_m: Array, expected: Array, got: Array, tolerance_db: float) -> Check:
+def _check(name: str, ranges_m: Floats, expected: Floats, got: Floats, tolerance_db: float) -> Check:
     return along(
         "sonar equation", f"flat bed, {name}", expected, got, 1.0, tolerance_db, "dB", x=ranges_m, across="range [m]"
     )

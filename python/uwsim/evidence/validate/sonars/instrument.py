@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import bisect, minimize
 
 from uwsim import _core
+from uwsim.base.arrays import Floats
 from uwsim.evidence.validate.sonars.table import WATERS, Cell, acoustics
 
 PLACES, APART_M = 256, 15.0  # pings at different positions, since speckle repeats at the same position
@@ -38,7 +38,7 @@ def half_detected_swath_m(cell: Cell, depth_m: float) -> float:
     return 2 * depth_m * _half_detected_tangent(np.tan(sonar_angles(cell)), rates)
 
 
-def _half_detected_tangent(tangents: NDArray[np.float64], rates: NDArray[np.float64]) -> float:
+def _half_detected_tangent(tangents: Floats, rates: Floats) -> float:
     """Return the tangent at which a logistic curve in its square, fitted to the rates of all beams, equals one half.
 
     The curve is fitted because the rate may fall slowly, which makes individual crossings of one half random. The
@@ -47,7 +47,7 @@ def _half_detected_tangent(tangents: NDArray[np.float64], rates: NDArray[np.floa
     outermost = float(tangents.max())
     squares = (tangents / outermost) ** 2
 
-    def surprise(curve: NDArray[np.float64]) -> float:  # negative log-likelihood
+    def surprise(curve: Floats) -> float:  # negative log-likelihood
         logits = np.clip((curve[0] - squares) * curve[1], -40.0, 40.0)
         return float(np.sum(np.logaddexp(0.0, logits) - rates * logits))
 
@@ -55,7 +55,7 @@ def _half_detected_tangent(tangents: NDArray[np.float64], rates: NDArray[np.floa
     return outermost * math.sqrt(min(max(float(half), 0.0), 1.0))
 
 
-def sonar_angles(cell: Cell) -> NDArray[np.float64]:
+def sonar_angles(cell: Cell) -> Floats:
     """Return the angles from straight down of as many beams as the fan has, up to 75 degrees."""
     return np.linspace(-_half_rad(cell), _half_rad(cell), cell.fan.beams)
 
@@ -82,7 +82,7 @@ def _sonar(cell: Cell, beams: int, fan_rad: float) -> _core.AcousticMultibeam:
     return _core.AcousticMultibeam(fan, spec, WATERS[cell.water].core_water())
 
 
-def _rates(sonar: _core.AcousticMultibeam, depth_m: float, places: int, apart_m: float) -> NDArray[np.float64]:
+def _rates(sonar: _core.AcousticMultibeam, depth_m: float, places: int, apart_m: float) -> Floats:
     """Return each beam's detection rate, over positions along the normal of the fan."""
     scene = _core.RayScene(flat_world(depth_m))
     along_m = apart_m * (np.arange(places) - places / 2)
