@@ -34,15 +34,15 @@ class RasterTerrain(TerrainModel):
     source: Literal["raster"]
     file: AssetFile = Field(examples=["terrains/jacksboro_srtm.asc"])
     band: Annotated[int, InRange(1, 1000)] | None = None
-    crs: str | None = Field(None, examples=["EPSG:4326"])
+    crs: str | None = Field(default=None, examples=["EPSG:4326"])
     unit: Literal["m", "ft", "us-ft"] | None = None
     nodata: Annotated[float, InRange(-1e38, 1e38)] | None = None
     positive: Literal["up", "down"] = "up"
     water_level_m: Annotated[float, InRange(-12_000, 10_000, "m")] = Field(examples=[550])
-    horizontal_scale: Factor = Field(1.0, examples=[0.05])
-    vertical_scale: Factor = Field(1.0, examples=[0.11])
-    centre: tuple[Coordinate, Coordinate] | None = Field(None, examples=[[-84.19, 36.6]])
-    size_m: tuple[Size, Size] | None = Field(None, examples=[[440, 320]])
+    horizontal_scale: Factor = Field(default=1.0, examples=[0.05])
+    vertical_scale: Factor = Field(default=1.0, examples=[0.11])
+    centre: tuple[Coordinate, Coordinate] | None = Field(default=None, examples=[[-84.19, 36.6]])
+    size_m: tuple[Size, Size] | None = Field(default=None, examples=[[440, 320]])
     interpolation: Literal["cubic", "linear"] = "cubic"
     fill_nodata: bool = False
 
