@@ -79,7 +79,7 @@ def new(
     It is commented and ready to run. Its first line names the packaged schema, so that editors with a YAML language
     server complete and check it.
     """
-    from uwsim.scenario.new import new_scenario
+    from uwsim.scenario.dump import new_scenario
 
     try:
         path = new_scenario(name, out, like, overwrite=force)

@@ -1,4 +1,4 @@
-"""Writes a scenario as plain values, or as a YAML file that reads back as an equal scenario.
+"""Writes a scenario as plain values, as a YAML file that reads back as an equal one, or as a file for editing.
 
 Only values that were set explicitly are written, since setting a key, even to its default value, may matter: gains of
 an axis without actuators are rejected (`control.sway`), as is a density together with `water.profile`, and each value
@@ -8,6 +8,7 @@ of `sonar.noise` overrides the model's.
 from __future__ import annotations
 
 import io
+import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -15,7 +16,10 @@ from typing import Any
 import numpy as np
 
 from uwsim.base.atomic_file import write_atomically
-from uwsim.scenario.spec.fields import Model
+from uwsim.base.own_files import mark
+from uwsim.scenario.read.assets import YAML_SUFFIXES, assets_folder, find_yaml
+from uwsim.scenario.schema import schema_file
+from uwsim.scenario.spec.fields import NAME, Model
 from uwsim.scenario.spec.scenario import Scenario
 
 PLAIN = frozenset((str, float, int, bool, type(None)))
@@ -69,3 +73,31 @@ def _with_text_for_paths(value: Any) -> Any:
     if isinstance(value, list):
         return [_with_text_for_paths(item) for item in value]
     return str(value) if isinstance(value, Path) else value
+
+
+def new_scenario(name: str, out: Path | None = None, like: str | None = None, overwrite: bool = False) -> Path:
+    """Write NAME.yaml into the working folder, or to `out`, and return its path.
+
+    like: a packaged scenario to use as a starting point, instead of the template. The first line of the file refers to
+    the schema, so that editors can complete and check keys. Raises ValueError for a bad name, FileExistsError, and
+    ScenarioError for an unknown `like`.
+    """
+    if not NAME.fullmatch(name):
+        raise ValueError(f"name '{name}': must be a letter followed by at most 39 letters, digits, '-' or '_'")
+    path = Path(f"{name}.yaml") if out is None else out
+    if path.suffix not in YAML_SUFFIXES:
+        raise ValueError(f"--out {path}: must end in {' or '.join(YAML_SUFFIXES)}")
+    source = assets_folder() / "templates" / "scenario.yaml" if like is None else find_yaml(like, "scenarios")
+    text = source.read_text(encoding="utf-8")
+    if like is None:
+        text = text.replace("@NAME@", name).replace("@FILE@", str(path))
+    else:
+        text = re.sub(r"^name:.*$", f"name: {name}", text, count=1, flags=re.MULTILINE)
+    content = f"# yaml-language-server: $schema={schema_file('scenario').as_uri()}\n{text}".encode()
+    if overwrite:
+        write_atomically(path, content, replaces_any=True)
+    else:
+        with path.open("xb") as file:
+            file.write(content)
+        mark(path)
+    return path

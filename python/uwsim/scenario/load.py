@@ -27,9 +27,10 @@ def load(source: AnyScenario) -> Scenario:
     if isinstance(source, Scenario):
         return source
     if not isinstance(source, str | Path | Mapping):
-        expected = "a name, a path, a dictionary or a Scenario"
-        raise ScenarioError(f"scenario: expected {expected}, not {type(source).__name__}")
-    _build_validator()
+        raise ScenarioError(f"scenario: expected a name, a path, a dict or a Scenario, not {type(source).__name__}")
+    if not Scenario.__pydantic_complete__:  # its validator is built when first needed
+        with no_collections():
+            Scenario.model_rebuild()
     if isinstance(source, Mapping):
         return validated(Scenario, dict(source), folder=Path.cwd())
     path = find_yaml(source, "scenarios")
@@ -37,13 +38,6 @@ def load(source: AnyScenario) -> Scenario:
     document = read_yaml(path, path.name if is_packaged else str(source))
     scenario = validated(Scenario, document.values, document, folder=path.resolve().parent)
     return scenario.read_from(SourceFile(document))
-
-
-def _build_validator() -> None:
-    """Build the validator of scenarios, unless it exists."""
-    if not Scenario.__pydantic_complete__:
-        with no_collections():
-            Scenario.model_rebuild()
 
 
 def packaged_scenarios() -> list[str]:

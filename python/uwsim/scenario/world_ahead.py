@@ -18,11 +18,11 @@ def make_world_ahead(scenario: str | Path) -> None:
     Only for packaged scenarios: errors in a user's scenario should be reported once, by the Simulator. Not if the
     address space is limited: a library that lacks memory on this thread may abort the process.
     """
+
+    def make() -> None:
+        with suppress(ValueError, OSError, MemoryError):  # the Simulator raises the same error
+            _core.RayScene(build_world(load(scenario))).prepare()
+
     is_limited = resource.getrlimit(resource.RLIMIT_AS)[0] != resource.RLIM_INFINITY
     if str(scenario) in packaged_scenarios() and not is_limited:
-        threading.Thread(target=_make, args=(str(scenario),), name="world-ahead").start()
-
-
-def _make(scenario: str) -> None:
-    with suppress(ValueError, OSError, MemoryError):  # the Simulator raises the same error
-        _core.RayScene(build_world(load(scenario))).prepare()
+        threading.Thread(target=make, name="world-ahead").start()

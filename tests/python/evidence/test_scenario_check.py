@@ -13,7 +13,7 @@ from uwsim.evidence.scenario_check import check_file, check_part
 from uwsim.flight.flyable_lanes import flyable_plan, survey_plan
 from uwsim.scenario import load_vehicle, packaged_scenarios
 from uwsim.scenario.build import world
-from uwsim.scenario.new import new_scenario
+from uwsim.scenario.dump import new_scenario
 from uwsim.scenario.read.assets import assets_folder, packaged_names
 from uwsim.scenario.read.errors import Collected
 from uwsim.scenario.read.spec_file import read_yaml

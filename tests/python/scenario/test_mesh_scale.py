@@ -12,7 +12,7 @@ from command_line import error_line, uwsim
 from uwsim import Simulator
 from uwsim.evidence.scenario_check import check_file, check_part
 from uwsim.scenario import ScenarioError, load_mesh
-from uwsim.scenario.new import new_scenario
+from uwsim.scenario.dump import new_scenario
 from vehicle_files import box_mesh, scenario_file, vehicle_file
 
 LENGTHS = {"millimetres": 1e3, "centimetres": 1e2, "inches": 1 / 0.0254, "feet": 1 / 0.3048}

@@ -245,7 +245,7 @@ def test_anything_but_a_file_is_refused(tmp_path: Path) -> None:
         load(tmp_path)
     with pytest.raises(ScenarioError, match="not a regular file"):
         load("/dev/zero")
-    with pytest.raises(ScenarioError, match="expected a name, a path, a dictionary or a Scenario"):
+    with pytest.raises(ScenarioError, match="expected a name, a path, a dict or a Scenario"):
         load(5)  # type: ignore[arg-type]
 
 

@@ -12,7 +12,7 @@ from uwsim import Simulator, _core
 from uwsim.base.axes import AXES
 from uwsim.scenario import ScenarioError, load_vehicle
 from uwsim.scenario.build.equipment import thrust_curve
-from uwsim.scenario.spec.actuator import load_thruster
+from uwsim.scenario.spec.actuator import ThrusterType, load_thruster
 from uwsim.simulator.vehicle import Vehicle
 
 T200_PWM_N = {1100: -39.9, 1200: -26.6, 1300: -14.1, 1400: -4.71, 1600: 5.88, 1700: 17.85, 1800: 33.5, 1900: 51.5}
@@ -27,8 +27,7 @@ def test_the_t200_curve_passes_through_the_published_points() -> None:
     curve = thrust_curve(load_thruster("t200_16v"))
     for pwm, thrust in T200_PWM_N.items():
         assert curve.thrust_n((pwm - 1500) / 400) == pytest.approx(thrust, abs=1e-12)
-    for pwm in (1472, 1490, 1500, 1528):
-        assert curve.thrust_n((pwm - 1500) / 400) == 0
+    assert {curve.thrust_n((pwm - 1500) / 400) for pwm in (1472, 1490, 1500, 1528)} == {0}
 
 
 @pytest.mark.parametrize(
@@ -38,6 +37,7 @@ def test_the_t200_curve_passes_through_the_published_points() -> None:
         ("[[-1, -5], [0, 1], [1, 2]]", "command 0 must give 0 N"),
         ("[[0, 0], [2, 2]]", r"commands must be in \[-1, 1\]"),
         ("[[0, 0]]", "must have at least 2 items"),
+        ("{kind: speed, max_rpm: 0, diameter_m: 0.1, thrust_coefficient: 0.4}", "max_rpm = 0 rpm: must be in"),
     ],
 )
 def test_an_invalid_curve_is_refused_with_file_and_line(tmp_path: Path, thrust_n: str, message: str) -> None:
@@ -45,6 +45,14 @@ def test_an_invalid_curve_is_refused_with_file_and_line(tmp_path: Path, thrust_n
     path.write_text(f"name: odd\nthrust_n: {thrust_n}\ntime_constant_s: 0.1\ndiameter_m: 0.1\n")
     with pytest.raises(ScenarioError, match=rf"odd\.yaml:2: thrust_n.*{message}"):
         load_thruster(path)
+
+
+def test_a_thruster_by_its_speed_gives_the_published_thrust() -> None:
+    law = {"kind": "speed", "max_rpm": 3533, "diameter_m": 0.076, "thrust_coefficient": 0.445, "astern": 0.775}
+    given = {"name": "t200", "time_constant_s": 0.076, "diameter_m": 0.076, "thrust_n": law | {"dead_band": 0.07}}
+    curve = thrust_curve(ThrusterType.model_validate(given | {"pwm": {"centre_us": 1500, "span_us": 400}}))
+    got = [curve.thrust_n(command) for command in (1.0, 0.5, 0.06, 0.0, -1.0)]
+    assert got == pytest.approx((51.5, 51.5 / 4, 0, 0, -39.9), rel=2e-3)  # Blue Robotics' bench, at 3533 rpm
 
 
 def wrench_of(rov: Vehicle) -> np.ndarray:

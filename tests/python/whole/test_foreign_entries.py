@@ -34,6 +34,7 @@ LISTING = {  # a command that goes over all entries of a group; the first one ma
     **{f"uwsim.kinds.{part}": f"scenario schema {part}" for part in
        ("fault", "imaging_sonar", "obstacle", "cover", "life", "terrain", "sensor")},
     "uwsim.kinds.material": "scenario schema obstacle",
+    "uwsim.kinds.thrust": "scenario schema thruster",
     "uwsim.kinds.goal": "scenario schema exercise",
 }  # fmt: skip
 NAMED = {  # a command that uses one entry of a group

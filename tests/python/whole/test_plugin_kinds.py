@@ -45,6 +45,7 @@ FILES = {
     "pass_points: 5\ngoals:\n  - {kind: spin, name: turn, title: Turn round, turns: 1}\n",
     "a.xyz": "1 2 3\n4.5 5 -6\n",
     "wrong.csv": "x,y,z\n1,2,what\n",
+    "drive.yaml": "name: drive\ntime_constant_s: 0.1\ndiameter_m: 0.1\nthrust_n: {kind: knee, most_n: 40}\n",
     "probe.dat": "TOYPROBE 7\n0.5 15\n10 14\n",
 }
 COMMANDS = {  # {} is the folder
@@ -207,6 +208,7 @@ from uwsim.scenario import load
 from uwsim.scenario.dump import write_scenario
 from uwsim.scenario.fingerprint import scenario_fingerprint
 from uwsim.scenario.read.cast_file import read_cast
+from uwsim.scenario.spec.actuator import load_thruster
 from uwsim.scenario.spec.link import load_modem
 
 def refusal(call):
@@ -228,6 +230,7 @@ world = {
     "sound": scenario.ground.backscatter.fluid,
     "modem": load_modem("blue_light").bit_rate_bit_s,
     "cast": {k: list(v) for k, v in read_cast(Path(sys.argv[1]).with_name("probe.dat")).columns.items()},
+    "thrust": [load_thruster(Path(sys.argv[1]).with_name("drive.yaml")).thrust_n[k] for k in (0, 400, 560, 800)],
     "look": scenario.cover[0].material.looks,
     "cones": len(sim.around().scene.cover_in([-30, -30], [30, 30])[0]),
     "fingerprints": [scenario_fingerprint(scenario), scenario_fingerprint(again)],
@@ -306,6 +309,7 @@ def test_the_terrain_and_the_obstacle_are_in_the_world_and_in_files(found: dict[
     assert world["above"] == pytest.approx([10 - 6 * rise - 3], abs=1e-4)
     assert world["labels"][3] == "cones" and 2 < world["cones"] < 40
     assert world["modem"] == 500_000 and world["cast"] == {"depth_m": [0.5, 10], "temperature_deg_c": [15, 14]}
+    assert world["thrust"] == [[-1, -40], [0, 0], [pytest.approx(0.4), pytest.approx(20)], [1, 40]]
     assert world["sound"][:2] == [2.492, 1.337] and world["look"] == "gravel"
     assert all(world["same"]) and len(set(world["fingerprints"])) == 1
 

@@ -1,4 +1,4 @@
-"""Pingers' sound as it arrives at points of the water: when, how loud, by which reflections.
+"""Pingers' sound as it arrives at points of the water: when, how loud, by which reflections, from which bearing.
 
 In a `sound.pool`, arrivals are those of image sources: J. B. Allen and D. A. Berkley, "Image method for efficiently
 simulating small-room acoustics", J. Acoust. Soc. Am. 65(4), 1979, with coefficients that do not depend on the angle,
@@ -10,16 +10,19 @@ Obstacles, vehicles and waves do not change the sound, and a burst is not compre
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from uwsim import _core
 from uwsim.base.arrays import Floats
+from uwsim.base.quaternions import matrix
 from uwsim.scenario.spec.link import BOTTOMS
 from uwsim.scenario.spec.pinger import Pinger, Pool, Sound
+from uwsim.scenario.spec.sensor_kind import DerivedKind, Figure
 
 WITHIN_DB = 40.0
 """Arrivals in open water that are weaker than the strongest by more are left out."""
@@ -168,3 +171,40 @@ def tone(pinger: Pinger, ages_s: Floats, phase_rad: float) -> Floats:
     wave = np.cos(2.0 * np.pi * pinger.frequency_hz * ages_s - phase_rad)
     pressure: Floats = peak * 0.5 * (1.0 - np.cos(np.pi * share)) * wave
     return pressure
+
+
+def bearing(
+    values: Mapping[str, Any], figures: Mapping[str, float], time_s: float, ping: Callable[..., Burst | None]
+) -> dict[str, float]:
+    """Return the direction, straight to the pinger, of the last burst since the sample before.
+
+    It is that at the time of the sample. All are NaN without a burst in the band, and below the threshold.
+    """
+    place = np.asarray(values["position_m"], np.float64)
+    burst = ping(place, figures["low_hz"], figures["high_hz"])
+    if burst is None or burst.level_db < figures["threshold_db"]:
+        return dict.fromkeys(FIELDS, math.nan)
+    x, y, z = matrix(values["orientation_xyzw"]).T @ (burst.pinger.position_m - place)
+    return {
+        "azimuth_rad": math.atan2(y, x),
+        "elevation_rad": math.atan2(z, math.hypot(x, y)),
+        "level_db": burst.level_db,
+        "frequency_hz": burst.pinger.frequency_hz,
+    }
+
+
+FIELDS = {"azimuth_rad": (1, "rad"), "elevation_rad": (1, "rad"), "level_db": (1, "dB"), "frequency_hz": (1, "Hz")}
+
+BEARING = DerivedKind(
+    name="bearing",
+    meaning="direction of a pinger (azimuth from x to y, elevation up is positive), in the sample after each ping",
+    source="ins",
+    fields=FIELDS,
+    measure=bearing,
+    listens=True,
+    parameters={
+        "low_hz": Figure(200.0, 0.0, 1e6, "Hz", "lowest frequency that it detects"),
+        "high_hz": Figure(250e3, 0.0, 1e6, "Hz", "highest frequency that it detects"),
+        "threshold_db": Figure(100.0, 0.0, 300.0, "dB re 1 uPa", "lowest level of a burst that it detects"),
+    },
+)

@@ -1,15 +1,16 @@
-"""Covers of animals: corals, sponges, mussels, sea urchins, starfish, and shells."""
+"""Animals: covers of corals, sponges, mussels, sea urchins, starfish and shells, and the life `school`, of fish."""
 
 from __future__ import annotations
 
-from typing import ClassVar, Literal
+from typing import Annotated, ClassVar, Literal
 
 import numpy as np
+from pydantic import model_validator
 
 from uwsim.base.arrays import Floats
-from uwsim.scenario.build.cover_meshes import ball, directions, lumps, merged, revolved, tube, turned_to, unit
-from uwsim.scenario.spec.cover import CoverModel, Mesh
-from uwsim.scenario.spec.fields import Name
+from uwsim.scenario.build.cover_meshes import ball, directions, fish, lumps, merged, revolved, tube, turned_to, unit
+from uwsim.scenario.spec.cover import CoverModel, LifeModel, Mesh
+from uwsim.scenario.spec.fields import InRange, Name, broken
 from uwsim.scenario.spec.material import Material, MaterialSpec
 
 
@@ -246,3 +247,44 @@ def _valve(random: np.random.Generator) -> Mesh:
     triangles = np.stack([a, a + SIDES, a + 1, a + 1, a + SIDES, a + SIDES + 1], axis=-1).reshape(-1, 3)
     vertices, triangles = unit((vertices, triangles.astype(np.uint32)))
     return vertices - [0.0, 0.0, vertices[:, 2].min()], triangles
+
+
+PHASES, SIZES = 8, 3
+STRIDE = 0.7
+"""Body lengths swum per beat of the tail, as of many fish at steady speed (Bainbridge 1958, J. Exp. Biol. 35:109)."""
+FISH_DB = -23.0
+"""At normal incidence, per square metre. TS = 20 log10 L - 67.4 dB with L in cm (Foote 1987, J. Acoust. Soc. Am.
+82:981, physoclists), of a side of 0.25 L^2; it is the same for each length."""
+
+
+class FishSchool(LifeModel):
+    """A school of fish of one form.
+
+    form: deep as a damselfish, or slender as a sardine. Tail beats follow the speed.
+    """
+
+    kind: Literal["school"]
+    name: Name
+    material: MaterialSpec = Material.model_construct(kind="plain", colour=(0.33, 0.36, 0.38), strength_db=FISH_DB)
+    form: Literal["deep", "slender"] = "slender"
+    flatness: Annotated[float, InRange(0.2, 1)] = 0.5
+
+    @model_validator(mode="after")
+    def _turns_gently(self) -> FishSchool:
+        low, high = self.size_m
+        if low > high:
+            raise broken("its first value must not exceed its second", at=("size_m",), value=[low, high])
+        if self.spread_m[1] > 0.5 * self.round_m:
+            rule = "its width must be at most half of round_m, so that the inner fish swim forwards"
+            raise broken(rule, at=("spread_m", 1), value=self.spread_m[1])
+        return self
+
+    def shapes(self, random: np.random.Generator) -> list[list[Mesh]]:
+        """See LifeModel."""
+        depth = {"deep": 0.42, "slender": 0.22}[self.form] * random.uniform(0.95, 1.05)
+        sizes = np.linspace(*self.size_m, SIZES)
+        return [[fish(size, depth, self.flatness, k / PHASES) for k in range(PHASES)] for size in sizes]
+
+    def stroke_hz(self) -> float:
+        """See LifeModel."""
+        return self.speed_m_s / (STRIDE * float(np.mean(self.size_m)))

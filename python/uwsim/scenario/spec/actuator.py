@@ -6,19 +6,23 @@ Body frame: x forward, y left, z up.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from functools import lru_cache
 from itertools import groupby
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field, model_validator
+import numpy as np
+from pydantic import BeforeValidator, Field, TypeAdapter, model_validator
 from pydantic_core.core_schema import ValidationInfo
 
 from uwsim import _core
+from uwsim.base.arrays import Floats
 from uwsim.scenario.read.assets import shown_name
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.read.spec_file import read_sheet_rows, read_spec
 from uwsim.scenario.spec.fields import AssetFile, AssetName, InRange, Model, Name, Point3, broken
+from uwsim.scenario.spec.kinds import Kinds
 
 Newton = Annotated[float, InRange(-1e6, 1e6, "N")]
 Microseconds = Annotated[float, InRange(1, 10_000, "us")]
@@ -26,6 +30,7 @@ Component = Annotated[float, InRange(-1e6, 1e6)]
 ThrusterName = Annotated[str, AssetName("thrusters")]
 Direction = tuple[Component, Component, Component]
 """A vector of nonzero length."""
+COMMANDS = np.linspace(-1.0, 1.0, 801)  # at which a law of thrust is evaluated, once, when its thruster is read
 
 
 class Pwm(Model):
@@ -38,11 +43,65 @@ class Pwm(Model):
     span_us: Microseconds
 
 
+class ThrustLaw(Model):
+    """The still-water thrust of a propeller whose speed has settled, in place of a measured table.
+
+    Kinds are registered in the entry point group `uwsim.kinds.thrust`, and have the field `kind`.
+    """
+
+    if TYPE_CHECKING:
+        kind: str
+
+    def thrusts_n(self, commands: Floats) -> Floats:
+        """Return the thrust [N] at each command in [-1, 1], which never decreases, and is 0 at 0: (n,) to (n,)."""
+        raise NotImplementedError
+
+
+class BySpeed(ThrustLaw):
+    """A propeller whose speed is proportional to the command: T = K_T rho n |n| D^4 (Fossen 2011, sec. 9.1).
+
+    max_rpm: its speed at full command. diameter_m: D. thrust_coefficient: K_T at rest, in still water. astern: the
+    part of the thrust ahead that the same speed gives astern. dead_band: the command below which the motor stands.
+    density_kg_m3: rho, of the water in which thrust_coefficient was measured.
+    """
+
+    kind: Literal["speed"]
+    max_rpm: Annotated[float, InRange(1, 100_000, "rpm")]
+    diameter_m: Annotated[float, InRange(0.001, 10, "m")]
+    thrust_coefficient: Annotated[float, InRange(1e-3, 10)]
+    astern: Annotated[float, InRange(0, 10)] = 1.0
+    dead_band: Annotated[float, InRange(0, 0.99)] = 0.0
+    density_kg_m3: Annotated[float, InRange(500, 1500, "kg/m3")] = 1000.0
+
+    def thrusts_n(self, commands: Floats) -> Floats:
+        """Return the thrust by the square of the speed."""
+        speed = np.where(np.abs(commands) < self.dead_band, 0.0, self.max_rpm / 60.0 * commands)
+        thrust_n = self.thrust_coefficient * self.density_kg_m3 * self.diameter_m**4 * speed * np.abs(speed)
+        return thrust_n * np.where(speed < 0.0, self.astern, 1.0)
+
+
+ThrustLawKind = Annotated[Any, Kinds("uwsim.kinds.thrust", ThrustLaw)]
+ThrustTable = Annotated[tuple[tuple[Component, Newton], ...], Field(min_length=2, max_length=1000)]
+
+
+def _tabulated(value: object, info: ValidationInfo) -> object:
+    """Return the table of a law of thrust, by pulse widths if the type has them; anything else as it is."""
+    if not isinstance(value, Mapping):
+        return value
+    law: ThrustLaw = TypeAdapter(ThrustLawKind).validate_python(value, context=info.context)
+    thrusts_n = np.asarray(law.thrusts_n(COMMANDS))
+    if thrusts_n.shape != COMMANDS.shape:
+        raise broken(f"kind '{law.kind}' returns thrusts of shape {thrusts_n.shape}, not {COMMANDS.shape}")
+    pwm = info.data.get("pwm")
+    return list(zip(COMMANDS if pwm is None else pwm.centre_us + pwm.span_us * COMMANDS, thrusts_n, strict=True))
+
+
 class ThrusterType(Model):
     """A type of thruster, as sold.
 
     pwm: the pulse widths, if thrust_n is tabulated by them. thrust_n: pairs of a command in [-1, 1], or a pulse width
-    if `pwm` is given, and the still-water thrust on the vehicle; linear between pairs, constant beyond the ends.
+    if `pwm` is given, and the still-water thrust on the vehicle; linear between pairs, constant beyond the ends. Or a
+    law, such as {kind: speed, max_rpm: 3500, diameter_m: 0.076, thrust_coefficient: 0.445}, which is then tabulated.
     sheets: a CSV file of thrust, current and revolutions measured at several supply voltages (columns voltage_v,
     command, thrust_n, current_a, rpm; commands as in thrust_n), used by vehicles with a `battery`. time_constant_s:
     time constant of the thrust's first-order lag. diameter_m: diameter of the propeller. bollard_coefficient: T / (rho
@@ -53,7 +112,7 @@ class ThrusterType(Model):
     name: Name
     description: str = ""
     pwm: Pwm | None = None
-    thrust_n: Annotated[tuple[tuple[Component, Newton], ...], Field(min_length=2, max_length=1000)]
+    thrust_n: Annotated[ThrustTable, BeforeValidator(_tabulated, json_schema_input_type=ThrustTable | ThrustLawKind)]
     sheets: AssetFile | None = None
     time_constant_s: Annotated[float, InRange(0, 60, "s")]
     diameter_m: Annotated[float, InRange(0.001, 10, "m")]
@@ -143,7 +202,8 @@ class ThrusterMount(Model):
     health: Annotated[float, InRange(0, 1)] = 1.0
 
     @model_validator(mode="after")
-    def _is_vertical_if_no_propeller(self) -> ThrusterMount:
+    def _points_somewhere(self) -> ThrusterMount:
+        _require_direction(self.axis, "axis")
         if self.force is not None and not (self.axis[2] > 0.0 and self.axis[0] == self.axis[1] == 0.0):
             raise broken(f"must be [0, 0, 1] for `force: {self.force}`", at=("axis",), value=list(self.axis))
         if (self.force == "weight") != (self.moved_from_m is not None):
@@ -154,11 +214,6 @@ class ThrusterMount(Model):
     def lag_s(self) -> float:
         """The time constant of the thrust's lag."""
         return self.model.time_constant_s if self.time_constant_s is None else self.time_constant_s
-
-    @model_validator(mode="after")
-    def _points_somewhere(self) -> ThrusterMount:
-        _require_direction(self.axis, "axis")
-        return self
 
 
 class FinMount(Model):

@@ -15,8 +15,7 @@ from uwsim.navigation.control.controller import Controller
 from uwsim.simulator.failures.events import EventLog
 from uwsim.simulator.failures.steered import ZERO, Aided
 from uwsim.simulator.helm import Reason
-from uwsim.simulator.holds.listener import COMPASS, EVERY_HOLD, Listener
-from uwsim.simulator.holds.state import HoldsState
+from uwsim.simulator.holds.listener import COMPASS, EVERY_HOLD, HoldsState, Listener
 from uwsim.simulator.vehicle import Vehicle
 
 PERIOD_S = 0.05  # period of the control loop

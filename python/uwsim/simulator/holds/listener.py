@@ -1,15 +1,20 @@
-"""Listener: tracks the instruments that a hold needs, and detects when they fall silent."""
+"""Which instruments a hold needs and when they fall silent, and what is saved of a vehicle's holds."""
 
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, FiniteFloat, NonNegativeInt
 
 from uwsim.base.commands.holds import HOLDS
+from uwsim.base.saved_state import State, Tick
 from uwsim.simulator.vehicle import Vehicle
 
 EVERY_HOLD = "imu"
 COMPASS = "compass"
+HoldName = Literal["heading", "depth", "altitude", "position", "speed"]
+Effort = Annotated[float, Field(ge=-1, le=1)]
 
 
 class Listener:
@@ -65,3 +70,20 @@ class Listener:
 
     def _silent_for(self, kind: str) -> int:
         return 0 if self.is_heard(kind) else self.silent.get(kind, 0) + 1
+
+
+class HoldsState(State):
+    """Saved holds. targets: targets of the active holds; None while the stick steers or the vehicle brakes.
+
+    braking: the tick at which each hold's stick was let go. memory: the Controller's state, once it has started.
+    efforts: its last efforts.
+    """
+
+    targets: dict[HoldName, list[FiniteFloat] | None]
+    braking: dict[HoldName, Tick]
+    silent: dict[str, NonNegativeInt]
+    stick: Annotated[list[Effort], Field(min_length=6, max_length=6)]
+    efforts: Annotated[list[FiniteFloat], Field(min_length=6, max_length=6)]
+    memory: Annotated[list[FiniteFloat], Field(min_length=25, max_length=25)] | None
+    note: str
+    next_control: Tick

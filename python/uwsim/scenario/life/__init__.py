@@ -1,1 +1,0 @@
-"""The kinds of life, one file each; see uwsim.scenario.spec.cover."""
