@@ -133,16 +133,19 @@ async def converse(
 
 
 async def first_of(*ways: Coroutine[Any, Any, None]) -> None:
-    """Run all until one ends, and raise what it raised, of several the first."""
+    """Run all until one ends, and raise what one raised: of several the first, but a closed connection last."""
     tasks = [asyncio.create_task(way) for way in ways]
     try:
-        done, _ = await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
-        for task in filter(done.__contains__, tasks):
-            task.result()
+        await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
     finally:
         for task in tasks:
             task.cancel()
-        await asyncio.gather(*tasks, return_exceptions=True)
+        ended = await asyncio.gather(*tasks, return_exceptions=True)
+    errors = [each for each in ended if isinstance(each, Exception)]
+    errors.sort(key=lambda error: isinstance(error, ConnectionClosed))
+    del tasks, task, ended  # an error's traceback has this frame: what it holds would be freed by a collection only
+    if errors:
+        raise errors.pop(0)
 
 
 async def _read(connection: ServerConnection, session: Session, rates: Rates, share: Share) -> None:
