@@ -2,8 +2,10 @@
 
 import inspect
 import types
+from pathlib import Path
 from typing import Annotated, Any, Union, get_args, get_origin
 
+from pydantic import BeforeValidator
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
 from tools.reference.markdown import code, plain, table
@@ -67,6 +69,10 @@ def _row(name: str, info: FieldInfo, words: str) -> tuple[str, str, str, str]:
 
 
 def _annotation(info: FieldInfo) -> Any:
+    """Return a field's type with its rules: of a field that may be written in another form, that of what is written."""
+    written = [rule.json_schema_input_type for rule in info.metadata if isinstance(rule, BeforeValidator)]
+    if info.annotation is not Path and written and written[0] is not PydanticUndefined:
+        return written[0]
     return Annotated[info.annotation, *info.metadata] if info.metadata else info.annotation
 
 

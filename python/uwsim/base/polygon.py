@@ -9,8 +9,8 @@ from uwsim.base.arrays import Floats
 
 
 def inside(points: NDArray[np.floating], corners: Floats) -> NDArray[np.bool_]:
-    """Return a mask (n,) of the points (n, 2) inside a polygon (m, 2) of either winding, by the even-odd rule."""
-    x, y = points.T
+    """Return a mask (n,) of points (n, 2 or more) inside a polygon (m, 2) of either winding, by the even-odd rule."""
+    x, y = points[:, 0], points[:, 1]
     inside = np.zeros(len(points), np.bool_)
     for (x0, y0), (x1, y1) in zip(corners, np.roll(corners, -1, axis=0), strict=True):
         if y0 != y1:
