@@ -344,7 +344,7 @@ def _exchanged(file: str) -> list[bytes]:
 
 def _pings() -> list[bytes]:
     """Return messages to a Ping1D and a Ping360."""
-    encoded = named("bridges.ping.wire:encoded")
+    encoded = named("bridges.ping_protocol.wire:encoded")
     values = {"scan_start": 0, "scan_length": 9000, "requested_id": 1211, "id": 1, "reserved": 0}
     return [b"".join(encoded(number, values, source=1) for number in (1001, 6, 2000, 1400))]
 

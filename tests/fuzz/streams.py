@@ -209,7 +209,7 @@ def depth_string(data: bytes, _: Path) -> bytes:
 
 def ping(data: bytes, _: Path) -> Any:
     """Read the messages of a program of a Ping1D or Ping360: they are read alike after they are written."""
-    wire, found = import_module("uwsim.bridges.ping.wire"), []
+    wire, found = import_module("uwsim.bridges.ping_protocol.wire"), []
     for message in wire.Reader().read(data):
         with suppress(ValueError):
             found.append(message.values)

@@ -13,7 +13,7 @@ from uwsim.base.texts.json_text import json_object, json_value, read_json
 from uwsim.base.texts.yaml_document import read_yaml
 from uwsim.channels.request import field
 from uwsim.live.pace import checked_speed
-from uwsim.operator.station.helm.plan import Plan
+from uwsim.operator.station.controls.plan import Plan
 
 ROOT = Path(__file__).parents[3]
 HUGE = 10**400

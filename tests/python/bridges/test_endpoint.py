@@ -11,7 +11,7 @@ from uwsim.bridges.imc.link import parsed
 from uwsim.bridges.mavlink import endpoint as mavlink
 from uwsim.bridges.moos import client as moos
 from uwsim.bridges.nmea import wire as nmea
-from uwsim.bridges.ping.plug import Ping1dPlug
+from uwsim.bridges.ping_protocol.plug import Ping1dPlug
 from uwsim.bridges.video import video
 
 PARSERS: dict[str, Callable[[str], Endpoint]] = {

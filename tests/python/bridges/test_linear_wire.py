@@ -13,7 +13,7 @@ import pytest
 from counted_work import assert_linear
 from uwsim.bridges.doors.waiting import Room
 from uwsim.bridges.moos import wire as moos
-from uwsim.bridges.ping import wire as ping
+from uwsim.bridges.ping_protocol import wire as ping
 from uwsim.bridges.rosbridge.encoding import to_json
 from uwsim.bridges.rosbridge.fragments import Fragments, split
 from uwsim.bridges.rosbridge.limits import Limits

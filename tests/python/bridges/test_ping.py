@@ -12,11 +12,11 @@ from brping import definitions as ids
 from brping.pingmessage import PingMessage
 
 from uwsim import Simulator
-from uwsim.bridges.ping import wire
-from uwsim.bridges.ping.device import Device
-from uwsim.bridges.ping.ping360 import STEP_NS
-from uwsim.bridges.ping.plug import Ping1dOptions, Ping1dPlug, Ping360Options, Ping360Plug
-from uwsim.bridges.ping.wire import Message, Reader, encoded
+from uwsim.bridges.ping_protocol import wire
+from uwsim.bridges.ping_protocol.device import Device
+from uwsim.bridges.ping_protocol.ping360 import STEP_NS
+from uwsim.bridges.ping_protocol.plug import Ping1dOptions, Ping1dPlug, Ping360Options, Ping360Plug
+from uwsim.bridges.ping_protocol.wire import Message, Reader, encoded
 from uwsim.bridges.plug import Context
 from uwsim.channels.delivery.feed import Feed
 from uwsim.live import LiveSimulator

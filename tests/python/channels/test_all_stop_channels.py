@@ -18,7 +18,7 @@ from uwsim.channels.families.diagnostics import diagnostics_channel
 from uwsim.channels.ros import build
 from uwsim.live import LiveSimulator
 from uwsim.live.step_loop import REQUESTS_MAX
-from uwsim.operator.station.helm.pilot import Pilot
+from uwsim.operator.station.controls.pilot import Pilot
 
 AHEAD = build.pose((1.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0))
 X, ZERO = build.vector((0.5, 0.0, 0.0)), build.vector((0.0, 0.0, 0.0))

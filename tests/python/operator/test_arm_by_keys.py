@@ -16,7 +16,7 @@ from uwsim.base.quaternions import turned
 from uwsim.channels.table import Table
 from uwsim.exercises import Course, load_exercise
 from uwsim.live import LiveSimulator
-from uwsim.operator.station.helm.pilot import Pilot
+from uwsim.operator.station.controls.pilot import Pilot
 
 pytestmark = pytest.mark.usefixtures("blank_figures")  # of the sheets
 REACH = """

@@ -11,7 +11,7 @@ from browser import until
 from station_pages import Page, page, serving
 from uwsim import Simulator
 from uwsim.live import LiveSimulator
-from uwsim.operator.station.helm.plan import Plan, PlanFlight
+from uwsim.operator.station.controls.plan import Plan, PlanFlight
 from uwsim.operator.station.services import services
 from uwsim.operator.station.services.control import new_path
 

@@ -7,8 +7,8 @@ import pytest
 from uwsim import Simulator
 from uwsim.channels.table import Table
 from uwsim.live import LiveSimulator
-from uwsim.operator.station.helm.lease import Lease
-from uwsim.operator.station.helm.pilot import LeastDelay, Pilot
+from uwsim.operator.station.controls.lease import Lease
+from uwsim.operator.station.controls.pilot import LeastDelay, Pilot
 from uwsim.simulator import helm as rules
 
 

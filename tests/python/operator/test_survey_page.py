@@ -10,7 +10,7 @@ from websockets.sync.client import connect
 from browser import desk, shows, until, when
 from uwsim import Simulator
 from uwsim.bridges import RosbridgeServer
-from uwsim.operator.station.helm.plan import survey_lanes
+from uwsim.operator.station.controls.plan import survey_lanes
 from uwsim.scenario import load, packaged_scenarios
 
 SCENES = "[...document.querySelector('#field-scenario').options]"

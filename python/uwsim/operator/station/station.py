@@ -9,8 +9,8 @@ from typing import Self
 
 from uwsim.channels.guest import Node
 from uwsim.channels.table import Wire, checked_wire
+from uwsim.operator.station.controls.lease import Lease
 from uwsim.operator.station.flights.flights import FOLDER, Bounds, Flights
-from uwsim.operator.station.helm.lease import Lease
 from uwsim.operator.station.services.services import Services
 from uwsim.operator.station.sessions.pulse import Pulse
 from uwsim.operator.station.sessions.sessions import Sessions, Show

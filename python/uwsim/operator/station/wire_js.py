@@ -21,7 +21,7 @@ from uwsim.channels.ros.message_types import Kind, fields
 from uwsim.channels.ros.own_types import ALL_STOPPED, LINK, MAP_CHANGES, SENSOR_GAUGES, STATION_STATE, TELEMETRY
 from uwsim.instruments.gauges import SHOWN
 from uwsim.instruments.sonars.imaging.pixels import ABOVE_MEDIAN_DB, AMBER, BELOW_MEDIAN_DB
-from uwsim.operator.station.helm.plan import SPEEDS_M_S
+from uwsim.operator.station.controls.plan import SPEEDS_M_S
 from uwsim.operator.station.services.services import DEAD_S
 from uwsim.operator.station.wire.calls import CALLS, Call
 from uwsim.operator.station.wire.messages import Message, Refused

@@ -7,7 +7,7 @@ from tempfile import TemporaryDirectory
 
 from uwsim.channels.guest import Values
 from uwsim.live import LiveSimulator
-from uwsim.operator.station.helm.lease import Lease
+from uwsim.operator.station.controls.lease import Lease
 from uwsim.operator.station.sessions.running import Running
 from uwsim.operator.station.sessions.saves import continue_maps
 from uwsim.operator.station.sessions.sessions import Sessions

@@ -15,11 +15,11 @@ from uwsim.base.commands import COMMANDS, HOLDS
 from uwsim.base.commands.command import item
 from uwsim.channels.authority.steering import require_link
 from uwsim.channels.guest import GuestService, Values
+from uwsim.operator.station.controls.lease import Lease
+from uwsim.operator.station.controls.pilot import answered, is_stop
+from uwsim.operator.station.controls.plan import Plan, PlanFlight, survey_lanes
 from uwsim.operator.station.editor.forms import described_forms
 from uwsim.operator.station.flights.replay import REFUSAL
-from uwsim.operator.station.helm.lease import Lease
-from uwsim.operator.station.helm.pilot import answered, is_stop
-from uwsim.operator.station.helm.plan import Plan, PlanFlight, survey_lanes
 from uwsim.operator.station.services.control import CONTROLS, NOT_OF_REPLAYS, OF_EXERCISES, OF_REPLAYS, new_path
 from uwsim.operator.station.services.editing import EditService
 from uwsim.operator.station.sessions.description import describe

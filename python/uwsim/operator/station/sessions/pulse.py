@@ -11,7 +11,7 @@ from uwsim.channels.guest import Values
 from uwsim.channels.ros.build import message
 from uwsim.channels.ros.own_types import STATION_STATE
 from uwsim.live import NotRunningError
-from uwsim.operator.station.helm.lease import Lease
+from uwsim.operator.station.controls.lease import Lease
 from uwsim.operator.station.sessions.running import Running
 from uwsim.operator.station.sessions.sessions import STATE, Sessions
 from uwsim.simulator.failures.events import comment_of, notes_of

@@ -16,10 +16,10 @@ from uwsim.channels.table import Wire
 from uwsim.link import Carrier
 from uwsim.link.ashore import with_scans
 from uwsim.live import LiveSimulator
+from uwsim.operator.station.controls.pilot import Pilot
+from uwsim.operator.station.controls.plan import PlanFlight
 from uwsim.operator.station.flights.flights import FlightRecording
 from uwsim.operator.station.flights.replay import Replay
-from uwsim.operator.station.helm.pilot import Pilot
-from uwsim.operator.station.helm.plan import PlanFlight
 from uwsim.operator.station.scene.life import Life
 from uwsim.operator.station.scene.loose_objects import LooseObjects
 from uwsim.operator.station.scene.scene import Scene

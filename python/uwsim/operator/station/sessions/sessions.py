@@ -19,10 +19,10 @@ from uwsim.exercises import Exercise, load_exercise
 from uwsim.exercises.exercise import next_exercise
 from uwsim.exercises.flyable import flyable
 from uwsim.live import LiveSimulator
+from uwsim.operator.station.controls.lease import Lease
 from uwsim.operator.station.editor import Editor
 from uwsim.operator.station.flights.flights import FlightRecording, Flights
 from uwsim.operator.station.flights.replay import Replay
-from uwsim.operator.station.helm.lease import Lease
 from uwsim.operator.station.sessions.exercise import Judged
 from uwsim.operator.station.sessions.running import Running
 from uwsim.operator.station.sessions.saves import continue_maps, load_saved, saved_names

@@ -15,7 +15,7 @@ from uwsim.base.commands import ALL_STOP, COMMANDS, HOLDS
 from uwsim.channels.authority.steering import Steering, require_link
 from uwsim.channels.guest import Values
 from uwsim.live import LiveSimulator, NotRunningError
-from uwsim.operator.station.helm.arm import ArmPilot
+from uwsim.operator.station.controls.arm import ArmPilot
 from uwsim.simulator.helm import Clock, Lease, Source, Timeout
 
 SILENCE_S = 0.5

@@ -11,8 +11,8 @@ from uwsim.bridges.doors.door import EVERYONE, OWN, Door
 from uwsim.bridges.doors.endpoint import Endpoint, EndpointForm
 
 if TYPE_CHECKING:
-    from uwsim.bridges.ping.ping1d import Ping1D
-    from uwsim.bridges.ping.ping360 import Ping360
+    from uwsim.bridges.ping_protocol.ping1d import Ping1D
+    from uwsim.bridges.ping_protocol.ping360 import Ping360
     from uwsim.live import LiveSimulator
     from uwsim.simulator.vehicle import Vehicle
 
@@ -57,8 +57,8 @@ class Ping1dPlug(InstrumentPlug[Ping1dOptions]):
 
     def device(self, live: LiveSimulator, vehicle: str, name: str, address: Endpoint) -> Ping1D:
         """See InstrumentPlug."""
-        from uwsim.bridges.ping.line import Line
-        from uwsim.bridges.ping.ping1d import Ping1D
+        from uwsim.bridges.ping_protocol.line import Line
+        from uwsim.bridges.ping_protocol.ping1d import Ping1D
 
         return Ping1D(live, vehicle, name, Line(address))
 
@@ -82,7 +82,7 @@ class Ping360Plug(InstrumentPlug[Ping360Options]):
 
     def device(self, live: LiveSimulator, vehicle: str, name: str, address: Endpoint) -> Ping360:
         """See InstrumentPlug."""
-        from uwsim.bridges.ping.line import Line
-        from uwsim.bridges.ping.ping360 import Ping360
+        from uwsim.bridges.ping_protocol.line import Line
+        from uwsim.bridges.ping_protocol.ping360 import Ping360
 
         return Ping360(live, vehicle, name, Line(address))

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim.bridges.ping.device import FIRMWARE, Device, Values, intensities, within
-from uwsim.bridges.ping.line import Line
+from uwsim.bridges.ping_protocol.device import FIRMWARE, Device, Values, intensities, within
+from uwsim.bridges.ping_protocol.line import Line
 from uwsim.instruments.sonars.imaging import SingleBeam, profile
 from uwsim.live import LiveSimulator
 from uwsim.simulator.simulator import Simulator

@@ -12,8 +12,8 @@ from brping import definitions as ids
 from numpy.typing import NDArray
 
 from uwsim.bridges.doors.waiting import Waiting
-from uwsim.bridges.ping.line import Line
-from uwsim.bridges.ping.wire import Message, encoded
+from uwsim.bridges.ping_protocol.line import Line
+from uwsim.bridges.ping_protocol.wire import Message, encoded
 from uwsim.live import LiveSimulator, NotRunningError
 from uwsim.simulator.simulator import Simulator
 

@@ -9,8 +9,8 @@ import numpy as np
 from brping import definitions as ids
 from numpy.typing import NDArray
 
-from uwsim.bridges.ping.device import Device, Values, intensities, within
-from uwsim.bridges.ping.line import Line
+from uwsim.bridges.ping_protocol.device import Device, Values, intensities, within
+from uwsim.bridges.ping_protocol.line import Line
 from uwsim.instruments.sonars.imaging import ForwardLooking, look_ahead
 from uwsim.live import LiveSimulator
 from uwsim.simulator.simulator import Simulator

@@ -11,7 +11,7 @@ from contextlib import suppress
 from uwsim.bridges.doors.admission import warn_beyond_loopback
 from uwsim.bridges.doors.datagrams import Address, Datagrams
 from uwsim.bridges.doors.endpoint import Endpoint
-from uwsim.bridges.ping.wire import Message, Reader
+from uwsim.bridges.ping_protocol.wire import Message, Reader
 
 READ_BYTES = 1 << 12
 
