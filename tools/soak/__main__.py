@@ -40,7 +40,7 @@ HERE = Path(__file__).parent
 
 
 def main(
-    minutes: Annotated[float, typer.Option(min=1.0, help="How long everything runs [min].")] = 10.0,
+    minutes: Annotated[float, typer.Option(min=3.0, help="How long everything runs [min].")] = 10.0,
     threads: Annotated[int, typer.Option(min=1, help="Number of threads.")] = 8,
     seed: Annotated[int, typer.Option(help="The seed of calls and kills.")] = 0,
     out: Annotated[Path | None, typer.Option("--json", help="Also write the samples to this file.")] = None,
@@ -79,10 +79,11 @@ def main(
     errors = [error for worker in workers for error in worker.errors]
     for kind, count in Counter(errors).most_common(10):
         typer.echo(f"{count} times {kind}")
-    memory_mb, heap_mb, files, thread_count = (
-        growth([sample[name] for sample in samples]) for name in ("memory_mb", "heap_mb", "files", "threads")
-    )
-    typer.echo(f"memory {memory_mb:+.1f} MB, heap of the page {heap_mb:+.1f} MB")
+    grown = {
+        name: growth([sample[name] for sample in samples]) for name in ("memory_mb", "heap_mb", "files", "threads")
+    }
+    typer.echo("grown: " + ", ".join(f"{name} {by:+.1f} +- {error:.1f}" for name, (by, error) in grown.items()))
+    memory_mb, heap_mb, files, thread_count = (by - 2.0 * error for by, error in grown.values())  # at least
     rules = {
         f"{len(errors)} errors": not errors,
         "steps": ticks == {name: stepped[name] for name in ticks},
@@ -153,10 +154,11 @@ def open_files() -> int:
     return count
 
 
-def growth(samples: Sequence[float]) -> float:
-    """Return the growth of a straight line through the samples, without those in which values settle."""
+def growth(samples: Sequence[float]) -> tuple[float, float]:
+    """Return the growth of a straight line through the samples, without those in which values settle, and its error."""
     kept = np.array(samples[int(SETTLING * len(samples)) :])
-    return float(np.polyfit(np.arange(len(kept)), kept, 1)[0] * (len(kept) - 1))
+    line, variances = np.polyfit(np.arange(len(kept)), kept, 1, cov=True)
+    return float(line[0] * (len(kept) - 1)), float(np.sqrt(variances[0, 0]) * (len(kept) - 1))
 
 
 if __name__ == "__main__":
