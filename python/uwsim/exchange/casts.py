@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from uwsim.base.reader import Reader
 from uwsim.base.texts.text_file import read_limited
@@ -28,8 +27,6 @@ from uwsim.scenario.read.cast_file import (
 )  # fmt: skip
 from uwsim.scenario.read.cast_levels import LATITUDE_DEG, PRESSURE, Columns, depth_at_m
 from uwsim.scenario.read.netcdf_file import CLASSIC, SIGNATURE, read_netcdf
-
-Floats = NDArray[np.float64]
 
 FIELD = re.compile(r"Field\d+\s*:\s*(.+)")
 WIDTH = 11

@@ -8,9 +8,9 @@ import pytest
 
 import uwsim
 from command_line import uwsim as command
-from uwsim.exchange.robots.checkout import package_folder
 from uwsim.exchange.robots.robot import Description, Given
 from uwsim.exchange.robots.sdf import read_sdf
+from uwsim.exchange.robots.sources import package_folder
 from uwsim.exchange.robots.urdf import read_urdf
 from uwsim.exchange.xml_text import xml_root
 from uwsim.missions.lawn_mower_plan import ALTIMETER, SONAR, missing_for_lanes

@@ -6,12 +6,11 @@ from collections.abc import Collection
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from uwsim.base.arrays import Floats
 from uwsim.base.axes import AXES
 from uwsim.scenario.spec.actuator import load_thruster
 
-Floats = NDArray[np.float64]
 SPEEDS_M_S = (1.5, 0.5, 0.5)
 """Speeds that the thrusters should reach ahead, sideways and vertically."""
 ACCELERATION_M_S2 = 0.3

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.base.arrays import Floats
 from uwsim.scenario.build.hull import hull_scene
 
-Floats = NDArray[np.float64]
 VISCOSITY_M2_S = 1.139e-6
 """Kinematic viscosity of fresh water at 15 degrees C (ITTC 2011, procedure 7.5-02-01-03)."""
 ACROSS = 1.1

@@ -18,8 +18,7 @@ import numpy as np
 from uwsim.base.arrays import Floats
 from uwsim.base.extras import need_extra
 from uwsim.base.texts.text_file import read_limited
-from uwsim.exchange.logs.autopilot import TELEMETRY, fields_of, flight_of
-from uwsim.exchange.logs.dataflash import EVENTS_MAX
+from uwsim.exchange.logs.autopilot import EVENTS_MAX, TELEMETRY, fields_of, flight_of
 from uwsim.recording.real_flights.flight_log import MOST_BYTES, MOST_ROWS, FlightLog
 
 KIND = "a telemetry log (.tlog)"
@@ -81,7 +80,8 @@ def read_telemetry(path: Path) -> FlightLog:
                 raise ValueError(f"{path}: more than {MOST_ROWS} rows of {name}: cut the log")
             rows[name].append([stamp_s, _own_s(message), *(float(getattr(message, each)) for each in fields[name])])
     tables = {name: np.array(table, np.float64) for name, table in rows.items()}
-    delay_s = _arrival_less_own(tables.get("ATTITUDE"))
+    attitude = tables.get("ATTITUDE", np.zeros((1, 2)))
+    delay_s = float(np.median(attitude[:, 0] - attitude[:, 1]))  # how much later messages arrive than they state
     timed = {name: (_times_s(table, delay_s), table[:, 2:]) for name, table in tables.items()}
     moved = [(time_s - delay_s, text) for time_s, text in events]
     found = flight_of(path, KIND, TELEMETRY, timed, parameters, moved)
@@ -121,11 +121,6 @@ def _own_s(message: Any) -> float:
     if hasattr(message, "time_boot_ms"):
         return 1e-3 * float(message.time_boot_ms)
     return 1e-6 * float(message.time_usec) if hasattr(message, "time_usec") else np.nan
-
-
-def _arrival_less_own(attitude: Floats | None) -> float:
-    """Return how much later messages arrive, by the log's clock, than they state: 0 if unknown."""
-    return 0.0 if attitude is None or not len(attitude) else float(np.median(attitude[:, 0] - attitude[:, 1]))
 
 
 def _times_s(table: Floats, delay_s: float) -> Floats:

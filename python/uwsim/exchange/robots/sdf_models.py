@@ -13,9 +13,9 @@ from pathlib import Path
 import numpy as np
 
 from uwsim.exchange.robots import shapes
-from uwsim.exchange.robots.checkout import checkout_of
 from uwsim.exchange.robots.links import Frames, Inner, Joint, Links, inertia, unit
 from uwsim.exchange.robots.robot import Description, Lump, Mesh, merged
+from uwsim.exchange.robots.sources import checkout_of
 from uwsim.exchange.robots.xml_file import Element, Floats, Pose, is_yes, read_xml
 
 RESOURCE_PATHS = ("GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESOURCE_PATH", "GAZEBO_MODEL_PATH")

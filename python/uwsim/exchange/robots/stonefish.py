@@ -2,7 +2,7 @@
 
 Source: Stonefish 1.6, documentation and sources of its parser, solids, thrusters and sensors. Its world is NED, its
 bodies' axes are forward, starboard, down. Its drag and added mass follow from geometry by a method of its own, so they
-are estimated here, too, from the parts that displace water; where the file states drag, see `stonefish_body`.
+are estimated here, too, from the parts that displace water; where the file states drag, see `stonefish_parts`.
 """
 
 from __future__ import annotations
@@ -19,8 +19,17 @@ from uwsim.exchange.robots.floors import put_plane
 from uwsim.exchange.robots.links import summed_volume
 from uwsim.exchange.robots.robot import SENSES, Description, Lump, Mesh, Robot, Thruster, merged, plain_name
 from uwsim.exchange.robots.sensors import from_optical, put_camera, put_imaging, put_sensor
-from uwsim.exchange.robots.stonefish_body import FLIP, WetPart, body_lump, drag_about, lump_alone, wet_part
-from uwsim.exchange.robots.stonefish_comms import Fixed, fixed_device, put_comm
+from uwsim.exchange.robots.stonefish_parts import (
+    FLIP,
+    Fixed,
+    WetPart,
+    body_lump,
+    drag_about,
+    fixed_device,
+    lump_alone,
+    put_comm,
+    wet_part,
+)
 from uwsim.exchange.robots.stonefish_text import Texts, file_named
 from uwsim.exchange.robots.xml_file import HERE, Element, Floats, Pose, read_xml
 

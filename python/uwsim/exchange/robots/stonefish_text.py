@@ -10,7 +10,7 @@ import re
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 
-from uwsim.exchange.robots.checkout import package_folder
+from uwsim.exchange.robots.sources import package_folder
 
 DATA = ("", "data", "resources", "share", "assets")
 """Folders of data, in those above a file."""

@@ -40,7 +40,7 @@ def put_plugins(robot: Robot, found: Description, plugins: Iterable[Element], li
     The hydrodynamics come first, since fins and neutral buoyancy refer to the density that they state.
     """
     reader = _Reader(robot, found, links, base, list(plugins))
-    for plugin in sorted(reader.plugins, key=lambda each: "dynamics" not in _file(each) and not _is_object(each)):
+    for plugin in sorted(reader.plugins, key=lambda one: "dynamics" not in (f := _file(one)) and not is_uuv_object(f)):
         with found.beside(plugin):
             reader.read(plugin)
 
@@ -53,10 +53,6 @@ def moves(plugin: Element) -> bool:
 
 def _file(plugin: Element) -> str:
     return (plugin.attribute("filename") or "").lower().replace("_system", "-system")
-
-
-def _is_object(plugin: Element) -> bool:
-    return is_uuv_object(_file(plugin))
 
 
 @dataclass

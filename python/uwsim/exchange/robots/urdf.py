@@ -15,10 +15,10 @@ import numpy as np
 
 from uwsim.base.extras import need_extra
 from uwsim.exchange.robots import shapes
-from uwsim.exchange.robots.checkout import MANIFEST, folder_of, package_folder
 from uwsim.exchange.robots.links import Joint, Links, inertia, unit
 from uwsim.exchange.robots.robot import Description, Lump, Mesh, Robot, plain_name
 from uwsim.exchange.robots.sensors import put_gz_sensor
+from uwsim.exchange.robots.sources import MANIFEST, folder_of, package_folder
 from uwsim.exchange.robots.systems import DENSITY_KG_M3, put_plugins
 from uwsim.exchange.robots.uuv_plugins import MOST
 from uwsim.exchange.robots.xacro_process import UNKNOWN

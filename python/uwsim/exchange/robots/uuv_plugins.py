@@ -13,10 +13,10 @@ import numpy as np
 
 from uwsim.base.texts.yaml_document import read_yaml
 from uwsim.exchange.robots import shapes
-from uwsim.exchange.robots.checkout import checkout_of
 from uwsim.exchange.robots.links import Links, carried
 from uwsim.exchange.robots.robot import Description, Robot, Thruster, plain_name
 from uwsim.exchange.robots.sensors import Errors
+from uwsim.exchange.robots.sources import checkout_of
 from uwsim.exchange.robots.xml_file import Element, Floats, Pose, is_yes
 
 DENSITY_KG_M3 = 1028.0

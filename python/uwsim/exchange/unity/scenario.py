@@ -19,8 +19,7 @@ from uwsim.base.texts.yaml_document import read_yaml
 from uwsim.exchange.hulls.draft import drafted
 from uwsim.exchange.robots.written import require_simulable
 from uwsim.exchange.scenario_source import Made
-from uwsim.exchange.unity.bed import Bed, read_bed
-from uwsim.exchange.unity.project import Project
+from uwsim.exchange.unity.project import Bed, Project, read_bed
 from uwsim.exchange.unity.scene import Piece, read_scene
 from uwsim.scenario.dump import yaml_text
 from uwsim.scenario.read.assets import find_yaml

@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from uwsim.base.extras import need_extra
-from uwsim.exchange.unity.material import Material, read_material
-from uwsim.exchange.unity.project import Document, Project
+from uwsim.exchange.unity.project import Document, Material, Project, read_material
 from uwsim.scenario.read.assimp_mesh import NodeMesh, nodes_by_assimp
 from uwsim.scenario.read.note import Note
 
