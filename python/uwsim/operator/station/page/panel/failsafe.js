@@ -30,7 +30,7 @@ export function failsafe(station, vehicle, message, isStale) {
     attempt(station.command('override_failsafe', vehicle), 'The vehicle has been asked to accept commands again.');
   return html`
     <section id="failsafe" class="failsafe ${isStale ? 'is-stale' : ''}" hidden=${!action && alarms.length === 0}
-      data-kind=${action && action !== 'go_on' ? 'steers' : 'tells'}>
+      data-kind=${action && action !== 'go_on' ? 'steers' : 'reports'}>
       <div role="alert">
         <p>${action ? acts(action, cause) : 'The vehicle has detected:'}</p>
         <ul>${alarms.map((alarm) => html`<li>${alarm}</li>`)}</ul>
